@@ -1,0 +1,84 @@
+"""The typed errors of Gainsay: one line each, naming file, row, field, value and what was expected."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+
+class GainsayError(Exception):
+    """Base of every error that Gainsay raises on purpose."""
+
+
+class InputError(GainsayError, ValueError):
+    """Bad input, found before anything was computed; commands end with exit code 2.
+
+    Parameters
+    ----------
+    message : str, optional
+        What is wrong; may be empty where value and expectation say it all.
+    file : str or Path, optional
+        The file at fault, relative to the project root where it lies inside it.
+    row : int, optional
+        Line number in the file, the header being line 1.
+    field : str, optional
+        Column, key or field.
+    value : object, optional
+        The value as found.
+    expected : str, optional
+        What would have been accepted.
+    """
+
+    def __init__(
+        self,
+        message: str = "",
+        *,
+        file: str | Path | None = None,
+        row: int | None = None,
+        field: str | None = None,
+        value: object = None,
+        expected: str | None = None,
+    ) -> None:
+        self.message, self.file, self.row = message, file, row
+        self.field, self.value, self.expected = field, value, expected
+        super().__init__(self._line())
+
+    def _line(self) -> str:
+        place = "" if self.file is None else str(self.file)
+        if self.row is not None:
+            place += f":{self.row}"
+        parts = [place] if place else []
+        what = [self.message] if self.message else []
+        if self.field is not None:
+            what.append(str(self.field))
+        if self.value is not None:
+            what.append(repr(self.value))
+        if what:
+            parts.append(" ".join(what))
+        if self.expected is not None:
+            parts.append(f"expected {self.expected}")
+        return ": ".join(parts).replace("\n", " ")
+
+
+class LogError(InputError):
+    """A log that cannot be read as it should; names the byte where it broke where that is known."""
+
+
+class CertificateError(GainsayError, ValueError):
+    """A certificate that is malformed, tampered with or does not prove what it states."""
+
+
+class ComputationError(GainsayError, ArithmeticError):
+    """A computation of ours that broke: recorded as `failed` with its attempts, never as a verdict.
+
+    Parameters
+    ----------
+    where : str
+        The equation or item of the paper.
+    message : str
+        What broke.
+    attempts : sequence of dict, optional
+        What was tried: solver, status, margin, iterations.
+    """
+
+    def __init__(self, where: str, message: str, attempts: Sequence[dict] = ()) -> None:
+        self.where, self.message, self.attempts = where, message, tuple(attempts)
+        super().__init__(f"{where}: {message}".replace("\n", " "))
