@@ -1,0 +1,220 @@
+"""A paper's folder, read and validated as a whole."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from gainsay.errors import InputError
+from gainsay.exact.digits import PrintedNumber
+from gainsay.tables.files import shown
+from gainsay.tables.lint import lint
+from gainsay.tables.models import Claim, Erratum, NotChecked, PaperFile, Parameter, Quantity, Recorded
+from gainsay.tables.reading import PrintedMatrix, read_matrix, read_paper_file, read_rows
+from gainsay.tables.units import to_si
+
+_MATRIX = re.compile(r"(?P<file>printed/[A-Za-z0-9_]+\.csv) (?P<rows>[1-9]\d*)x(?P<columns>[1-9]\d*)")
+
+
+@dataclass(frozen=True)
+class Case:
+    """Everything that a paper's folder says.
+
+    Attributes
+    ----------
+    name : str
+        Folder name, such as ``wan2014``.
+    root : Path
+        Project root.
+    paper : PaperFile
+    parameters : mapping of name to Parameter
+    quantities : mapping of id to Quantity
+    claims, errata : mapping of id to row
+    not_checked : tuple of NotChecked
+    recorded : mapping of quantity to Recorded
+    """
+
+    name: str
+    root: Path
+    paper: PaperFile
+    parameters: Mapping[str, Parameter]
+    quantities: Mapping[str, Quantity]
+    claims: Mapping[str, Claim]
+    errata: Mapping[str, Erratum]
+    not_checked: tuple[NotChecked, ...]
+    recorded: Mapping[str, Recorded]
+    _matrices: Mapping[str, PrintedMatrix] = field(repr=False)
+
+    @property
+    def folder(self) -> Path:
+        """The folder of the paper's tables."""
+        return self.root / "papers" / self.name
+
+    @property
+    def results(self) -> Path:
+        """The folder of the paper's results."""
+        return self.root / "results" / self.name
+
+    def _parameter(self, name: str, type_: str) -> Parameter:
+        row = self.parameters.get(name)
+        if row is None or row.type != type_:
+            raise InputError(
+                file=f"papers/{self.name}/parameters.csv",
+                field="name",
+                value=name,
+                expected=f"a {type_} of this name, since the computation needs it",
+            )
+        return row
+
+    def exact(self, name: str) -> Fraction:
+        """Return a number in SI units as an exact rational."""
+        row = self._parameter(name, "number")
+        return PrintedNumber(row.value).value * to_si(row.unit)[1]
+
+    def number(self, name: str) -> float:
+        """Return a number in SI units as the nearest double."""
+        return float(self.exact(name))
+
+    def choice(self, name: str) -> str:
+        """Return a choice among words."""
+        return self._parameter(name, "choice").value
+
+    def text(self, name: str) -> str:
+        """Return a text."""
+        return self._parameter(name, "text").value
+
+    def printed(self, name: str) -> PrintedMatrix:
+        """Return a matrix digit for digit as printed."""
+        self._parameter(name, "matrix")
+        return self._matrices[name]
+
+    def matrix(self, name: str) -> np.ndarray:
+        """Return the nearest doubles of a printed matrix, read-only."""
+        return self.printed(name).floats
+
+    @cached_property
+    def assumed(self) -> dict[str, Parameter]:
+        """The parameters that the paper leaves out."""
+        return {name: row for name, row in self.parameters.items() if row.status == "assumed"}
+
+
+def find_root(start: Path | None = None) -> Path:
+    """Return the project root at or above a folder.
+
+    Raises
+    ------
+    InputError
+        Outside a project.
+    """
+    start = (start or Path.cwd()).resolve()
+    for folder in (start, *start.parents):
+        if (folder / "papers").is_dir() and (folder / "Snakefile").is_file():
+            return folder
+    raise InputError("not inside a project", value=str(start), expected="a folder with Snakefile and papers/ above it")
+
+
+def paper_names(root: Path) -> list[str]:
+    """Return the names of all papers: the folders of `papers` that hold a `paper.toml`."""
+    return sorted(path.parent.name for path in (root / "papers").glob("*/paper.toml"))
+
+
+def _by(rows: dict[int, object], key: str, file: str) -> Mapping[str, object]:
+    found: dict[str, object] = {}
+    for number, row in rows.items():
+        name = getattr(row, key)
+        if name in found:
+            raise InputError(file=file, row=number, field=key, value=name, expected="a name not used above")
+        found[name] = row
+    return MappingProxyType(found)
+
+
+def _check_parameter(row: Parameter, file: str, number: int) -> None:
+    def refuse(column: str, value: str, expected: str) -> None:
+        raise InputError(file=file, row=number, field=column, value=value, expected=expected)
+
+    if row.type == "number":
+        try:
+            PrintedNumber(row.value)
+        except InputError as error:
+            refuse("value", row.value, error.expected)
+    elif row.unit != "1" and row.type != "matrix":
+        refuse("unit", row.unit, "1, since only numbers and matrices have units")
+    if row.status == "assumed" and not row.plausible:
+        refuse("plausible", row.plausible, "the plausible values of what the paper leaves out")
+    if row.status != "assumed" and row.plausible:
+        refuse("plausible", row.plausible, "nothing, since the paper gives the value")
+    if row.plausible and row.type == "number":
+        low, dots, high = row.plausible.partition("..")
+        try:
+            ends = [PrintedNumber(part).value for part in ([low, high] if dots else row.plausible.split("|"))]
+        except InputError:
+            refuse("plausible", row.plausible, "`low..high` or `a|b|c` of decimal numbers")
+        if dots and not ends[0] <= PrintedNumber(row.value).value <= ends[1]:
+            refuse("plausible", row.plausible, f"a range that contains the value {row.value}")
+    if row.plausible and row.type == "choice" and row.value not in row.plausible.split("|"):
+        refuse("value", row.value, f"one of {row.plausible}")
+
+
+def _read_parameters(root: Path, folder: Path) -> tuple[Mapping[str, Parameter], dict[str, PrintedMatrix]]:
+    path = folder / "parameters.csv"
+    file = shown(path, root)
+    rows = read_rows(path, Parameter, root)
+    matrices = {}
+    for number, row in rows.items():
+        _check_parameter(row, file, number)
+        if row.type != "matrix":
+            continue
+        named = _MATRIX.fullmatch(row.value)
+        if named is None:
+            raise InputError(
+                file=file, row=number, field="value", value=row.value, expected="file and shape: printed/L.csv 6x3"
+            )
+        matrix = read_matrix(folder / named["file"], root)
+        shape = int(named["rows"]), int(named["columns"])
+        if matrix.shape != shape:
+            raise InputError(
+                file=shown(folder / named["file"], root),
+                field="shape",
+                value="{}x{}".format(*matrix.shape),
+                expected="{}x{}".format(*shape),
+            )
+        matrices[row.name] = matrix
+    return _by(rows, "name", file), matrices
+
+
+def read_case(root: Path, paper: str) -> Case:
+    """Read and validate all tables of a paper.
+
+    Raises
+    ------
+    InputError
+        At the first fault, naming file, row, field, value and what was expected.
+    """
+    if paper not in paper_names(root):
+        known = ", ".join(paper_names(root)) or "a folder of papers/ with a paper.toml"
+        raise InputError("unknown paper", value=paper, expected=known)
+    folder = root / "papers" / paper
+    parameters, matrices = _read_parameters(root, folder)
+
+    def table(file: str, model: type, key: str) -> Mapping[str, object]:
+        return _by(read_rows(folder / file, model, root), key, f"papers/{paper}/{file}")
+
+    case = Case(
+        name=paper,
+        root=root,
+        paper=read_paper_file(folder / "paper.toml", root),
+        parameters=parameters,
+        quantities=table("quantities.csv", Quantity, "id"),
+        claims=table("claims.csv", Claim, "id"),
+        errata=table("errata.csv", Erratum, "id"),
+        not_checked=tuple(read_rows(folder / "not_checked.csv", NotChecked, root).values()),
+        recorded=table("recorded.csv", Recorded, "quantity"),
+        _matrices=MappingProxyType(matrices),
+    )
+    lint(case)
+    return case

@@ -1,0 +1,108 @@
+"""Reading and writing of CSV and JSON files: strict on the way in, atomic and byte-stable on the way out."""
+
+import csv
+import io
+import json
+import math
+import os
+import tempfile
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from gainsay.errors import InputError
+
+
+def write_atomically(path: Path, data: bytes | str) -> None:
+    """Write a file under a temporary name, then rename it: readers never see half a file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data.encode() if isinstance(data, str) else data)
+        Path(temporary).chmod(0o644)  # mkstemp makes files private; results are for everybody
+        Path(temporary).replace(path)
+    except BaseException:
+        with suppress(FileNotFoundError):
+            Path(temporary).unlink()
+        raise
+
+
+def cell(value: object) -> str:
+    """Return a value as CSV text: doubles by repr (all their bits), booleans as 1/0, None as nothing."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "1" if value else "0"
+    if isinstance(value, float):
+        return repr(float(value)) if math.isfinite(value) else str(value)
+    return str(value)
+
+
+def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a table with a header, atomically."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows([cell(value) for value in row] for row in rows)
+    write_atomically(path, text.getvalue())
+
+
+def write_json(path: Path, content: object) -> None:
+    """Write JSON with sorted keys, atomically."""
+    write_atomically(path, json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
+
+
+def shown(path: Path, root: Path | None) -> str:
+    """Return a path relative to the project root where it lies inside it."""
+    return str(path.relative_to(root)) if root is not None and path.is_relative_to(root) else str(path)
+
+
+def read_text(path: Path, root: Path | None = None) -> str:
+    """Read a UTF-8 file.
+
+    Raises
+    ------
+    InputError
+        If it is missing or not UTF-8.
+    """
+    try:
+        return path.read_text(encoding="utf-8")
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
+        raise InputError("file not found", file=shown(path, root), expected="a readable file") from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"byte {error.start}", file=shown(path, root), expected="UTF-8 text") from None
+
+
+def read_csv(path: Path, root: Path | None = None) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Read a CSV file strictly.
+
+    Returns
+    -------
+    header : list of str
+    rows : list of (line number, cells)
+        As many cells as the header in every row.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, empty, ragged or malformed; names file and row.
+    """
+    file = shown(path, root)
+    text = read_text(path, root)
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    lines: list[tuple[int, list[str]]] = []
+    start = 1
+    try:
+        for cells in reader:
+            lines.append((start, cells))
+            start = reader.line_num + 1
+    except csv.Error as error:
+        raise InputError(str(error), file=file, row=reader.line_num, expected="well-formed CSV") from None
+    if not lines:
+        raise InputError("empty file", file=file, expected="a header line")
+    (_, header), rows = lines[0], lines[1:]
+    for number, cells in rows:
+        if len(cells) != len(header):
+            raise InputError(f"{len(cells)} cells", file=file, row=number, expected=f"{len(header)} cells")
+    return header, rows

@@ -1,0 +1,108 @@
+"""Checks between the tables of a paper: what one row names must stand in another."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from gainsay.errors import InputError
+from gainsay.exact.digits import PrintedNumber
+from gainsay.tables.models import Claim
+from gainsay.tables.units import to_si
+
+if TYPE_CHECKING:
+    from gainsay.tables.case import Case
+
+#: kinds whose verdict needs a certificate that the checker accepts
+PROVED = frozenset({
+    "identity", "definiteness", "feasibility", "stability", "pole-region", "norm-bound", "cost-bound", "input-bound",
+    "delay-margin",
+})  # fmt: skip
+_ROW_OF_FIRST = 2
+
+
+def published_ends(published: str) -> tuple[PrintedNumber, PrintedNumber]:
+    """Return the two ends of a published `low..high`.
+
+    Raises
+    ------
+    InputError
+        If it is anything else.
+    """
+    low, dots, high = published.partition("..")
+    if not dots:
+        raise InputError("published", value=published, expected="`low..high`")
+    return PrintedNumber(low), PrintedNumber(high)
+
+
+def _claim_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
+    """Yield field, value and expectation of every fault of a claim."""
+    if claim.kind == "remark":
+        if claim.comparator or claim.quantity:
+            yield "comparator", claim.comparator, "nothing, since a remark is held against nothing"
+        if claim.expected != "uncheckable":
+            yield "expected", claim.expected, "uncheckable, since a remark is held against nothing"
+        return
+    if not claim.comparator:
+        yield "comparator", "", f"a comparator, since a {claim.kind} is held against something"
+        return
+    if claim.comparator == "all_of":
+        others = claim.quantity.split()
+        if not others:
+            yield "quantity", "", "the claims that it joins, separated by blanks"
+        for other in others:
+            if other not in case.claims or other == claim.id or case.claims[other].comparator == "all_of":
+                yield "quantity", other, "another claim of this table that joins none itself"
+        return
+    if claim.quantity not in case.quantities:
+        yield "quantity", claim.quantity, "a quantity declared in quantities.csv"
+        return
+    unit = case.quantities[claim.quantity].unit
+    if to_si(claim.unit)[0] != unit:
+        yield "unit", claim.unit, f"{unit}, the unit of {claim.quantity}, or one that converts to it"
+    try:
+        if claim.comparator == "inside":
+            low, high = published_ends(claim.published)
+            if low.value > high.value:
+                yield "published", claim.published, "the smaller end first"
+        elif claim.comparator == "less_than":
+            other = case.quantities.get(claim.published)
+            if other is None or other.unit != unit:
+                yield "published", claim.published, f"a quantity in {unit} declared in quantities.csv"
+        elif claim.comparator in ("equal", "at_most", "at_least"):
+            PrintedNumber(claim.published)
+        elif claim.published:
+            yield "published", claim.published, "nothing, since feasibility has no value"
+    except InputError as error:
+        yield "published", claim.published, error.expected
+
+
+def lint(case: "Case") -> None:
+    """Check every reference between a paper's tables.
+
+    Raises
+    ------
+    InputError
+        At the first fault, naming file, row, field, value and what was expected.
+    """
+    for row, claim in enumerate(case.claims.values(), start=_ROW_OF_FIRST):
+        for field, value, expected in _claim_faults(case, claim):
+            raise InputError(
+                f"claim {claim.id}:",
+                file=f"papers/{case.name}/claims.csv",
+                row=row,
+                field=field,
+                value=value,
+                expected=expected,
+            )
+    for row, recorded in enumerate(case.recorded.values(), start=_ROW_OF_FIRST):
+        file = f"papers/{case.name}/recorded.csv"
+        quantity = case.quantities.get(recorded.quantity)
+        if quantity is None:
+            raise InputError(
+                file=file, row=row, field="quantity", value=recorded.quantity, expected="one of quantities.csv"
+            )
+        if quantity.unit != recorded.unit:
+            raise InputError(file=file, row=row, field="unit", value=recorded.unit, expected=quantity.unit)
+        try:
+            float(recorded.value)
+        except ValueError:
+            raise InputError(file=file, row=row, field="value", value=recorded.value, expected="a number") from None

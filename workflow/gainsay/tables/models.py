@@ -1,0 +1,157 @@
+"""Typed rows of the tables that a paper's folder holds; the schema and the column documentation come from here."""
+
+import re
+from typing import Annotated, Literal, get_args
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+
+from gainsay.exact.digits import EXPECTED, PrintedNumber
+from gainsay.tables.units import UNITS
+
+Verdict = Literal["reproduced", "contradicted", "undetermined", "uncheckable", "failed"]
+Kind = Literal[
+    "parameter", "gain", "identity", "definiteness", "feasibility", "stability", "pole-region", "norm-bound",
+    "cost-bound", "input-bound", "delay-margin", "trajectory", "ordering", "figure", "remark",
+]  # fmt: skip
+Comparator = Literal["equal", "at_most", "at_least", "inside", "feasible", "infeasible", "less_than", "all_of", ""]
+Step = Literal["synthesis", "audit", "simulation"]
+VERDICTS: tuple[str, ...] = get_args(Verdict)
+
+
+def _unit(value: str) -> str:
+    if value not in UNITS:
+        raise ValueError(f"a known unit ({', '.join(UNITS)})")
+    return value
+
+
+def _decimal_or_empty(value: str) -> str:
+    if value:
+        _decimal(value)
+    return value
+
+
+def _decimal(value: str) -> str:
+    try:
+        PrintedNumber(value)
+    except ValueError:
+        raise ValueError(EXPECTED) from None
+    return value
+
+
+def _plain(value: str) -> str:
+    if value != value.strip() or re.search(r"[\x00-\x08\x0b-\x1f\x7f\ufffd]", value):
+        raise ValueError("text without control characters or surrounding blanks")
+    return value
+
+
+Text = Annotated[str, AfterValidator(_plain)]
+Filled = Annotated[str, AfterValidator(_plain), StringConstraints(min_length=1)]
+Slug = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]*$")]
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+QuantityId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+(\.[a-z0-9_]+)*$")]
+Unit = Annotated[str, AfterValidator(_unit)]
+Decimal = Annotated[str, AfterValidator(_decimal)]
+DecimalOrEmpty = Annotated[str, AfterValidator(_decimal_or_empty)]
+
+
+class Row(BaseModel):
+    """A row of a table: immutable, every column named, no other column allowed."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Parameter(Row):
+    """A number, choice, matrix or text that the paper prints, or that it leaves out and we assume."""
+
+    name: Name = Field(description="identifier used by the code and in certificates")
+    type: Literal["number", "choice", "matrix", "text"] = Field(description="what `value` holds")
+    value: Filled = Field(description="decimal digits exactly as printed, a word, or the file of a printed matrix")
+    unit: Unit = Field(description="unit of the value; results are in SI")
+    where: Filled = Field(description="equation, table, section or sentence of the paper")
+    status: Literal["printed", "assumed", "corrected"] = Field(description="whose number it is")
+    plausible: Text = Field(description="for what the paper leaves out: `low..high` or `a|b|c`")
+    note: Text = Field(description="why this value, or what the paper prints instead")
+
+
+class Quantity(Row):
+    """A number that Gainsay computes for the paper."""
+
+    id: QuantityId = Field(description="dotted lower-case identifier")
+    unit: Unit = Field(description="SI unit of the value")
+    step: Step = Field(description="the step that computes it")
+    meaning: Filled = Field(description="what is computed, one sentence")
+
+
+class Claim(Row):
+    """A statement of the paper that can be held against a computation, or a remark that cannot."""
+
+    id: Slug = Field(description="identifier of the claim")
+    where: Filled = Field(description="equation, table, figure or sentence of the paper")
+    kind: Kind = Field(description="kind of statement; decides the evidence it needs")
+    statement: Filled = Field(description="what the paper says, one sentence")
+    comparator: Comparator = Field(
+        description="how the quantity is held against the published value; empty for remarks"
+    )
+    quantity: Text = Field(description="the quantity compared; for all_of the claims it joins")
+    published: Text = Field(description="the published value; `low..high` for inside; a quantity for less_than")
+    unit: Unit = Field(description="unit of the published value")
+    tolerance: DecimalOrEmpty = Field(description="absolute tolerance; empty: half a unit of the last printed digit")
+    expected: Verdict = Field(description="the verdict on record")
+    basis: Filled = Field(description="the independent reason for the expected verdict")
+    note: Text = Field(description="reading of the text, whether OCR could be to blame, reason of a stated tolerance")
+
+
+class Erratum(Row):
+    """A misprint or error of the paper, with a machine-checked witness."""
+
+    id: Slug = Field(description="identifier of the erratum")
+    where: Filled = Field(description="where the paper prints it")
+    printed: Filled = Field(description="what stands there")
+    corrected: Filled = Field(description="what should stand there")
+    effect: Filled = Field(description="what follows from the difference")
+    witness: Filled = Field(description="the quantity or certificate that shows it")
+
+
+class NotChecked(Row):
+    """A part of the paper that no claim covers."""
+
+    where: Filled = Field(description="equation, table, figure or sentence")
+    what: Filled = Field(description="what stands there")
+    reason: Filled = Field(description="why it is not checked")
+
+
+class Recorded(Row):
+    """A value on record, written by `make record` alone."""
+
+    quantity: QuantityId = Field(description="the quantity")
+    value: Filled = Field(description="its value on record, full double precision")
+    unit: Unit = Field(description="its SI unit")
+    relative: Decimal = Field(description="relative tolerance across machines")
+    absolute: Decimal = Field(description="absolute tolerance across machines")
+    reason: Filled = Field(description="why these tolerances")
+
+
+class PaperFile(BaseModel):
+    """`paper.toml`: citation, designs, runs and figures."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    title: Filled = Field(description="title as published")
+    authors: list[Filled] = Field(min_length=1, description="authors as published")
+    journal: Filled = Field(description="journal")
+    year: int = Field(ge=1900, le=2100, description="year of publication")
+    doi: Annotated[str, StringConstraints(pattern=r"^10\.\d{4,9}/\S+$")] = Field(description="DOI without resolver")
+    designs: dict[Slug, Filled] = Field(default={}, description="designs that synthesis makes: name and what it is")
+    runs: dict[Slug, Filled] = Field(description="simulated runs: name and what is simulated")
+    figures: dict[Slug, Filled] = Field(description="figures: name and caption")
+
+
+#: file name -> model of its rows
+TABLES: dict[str, type[Row]] = {
+    "parameters.csv": Parameter,
+    "quantities.csv": Quantity,
+    "claims.csv": Claim,
+    "errata.csv": Erratum,
+    "not_checked.csv": NotChecked,
+    "recorded.csv": Recorded,
+}

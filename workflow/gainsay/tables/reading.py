@@ -1,0 +1,147 @@
+"""Typed reading of the tables of a paper's folder."""
+
+import tomllib
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from pydantic import BaseModel, ValidationError
+
+from gainsay.errors import InputError
+from gainsay.exact.digits import PrintedNumber
+from gainsay.tables.files import read_csv, read_text, shown
+from gainsay.tables.models import PaperFile, Row
+
+AnyRow = TypeVar("AnyRow", bound=Row)
+
+
+def _expectation(model: type[BaseModel], detail: dict) -> tuple[str, object, str]:
+    """Turn one pydantic error into field, value found, and what was expected."""
+    field = ".".join(str(part) for part in detail["loc"])
+    message = detail["msg"].removeprefix("Value error, ")
+    if detail["type"] == "extra_forbidden":
+        return field, None, f"one of {', '.join(model.model_fields)}"
+    if detail["type"] == "missing":
+        return field, None, "a value, the field is missing"
+    return field, detail["input"], message.removeprefix("Input should be ").replace("String should", "text that should")
+
+
+def read_rows(path: Path, model: type[AnyRow], root: Path | None = None) -> dict[int, AnyRow]:
+    """Read a table whose columns are the fields of a model.
+
+    Returns
+    -------
+    dict
+        Line number -> row.
+
+    Raises
+    ------
+    InputError
+        At the first fault, naming file, row, field, value and what was expected.
+    """
+    file = shown(path, root)
+    header, rows = read_csv(path, root)
+    wanted = list(model.model_fields)
+    if header != wanted:
+        raise InputError("header", file=file, row=1, value=",".join(header), expected=",".join(wanted))
+    typed = {}
+    for number, cells in rows:
+        try:
+            typed[number] = model.model_validate(dict(zip(wanted, cells, strict=True)))
+        except ValidationError as error:
+            field, value, expected = _expectation(model, error.errors()[0])
+            raise InputError(file=file, row=number, field=field, value=value, expected=expected) from None
+    return typed
+
+
+def read_paper_file(path: Path, root: Path | None = None) -> PaperFile:
+    """Read `paper.toml`.
+
+    Raises
+    ------
+    InputError
+        If it is missing, no TOML, or lacks a key.
+    """
+    file = shown(path, root)
+    try:
+        return PaperFile.model_validate(tomllib.loads(read_text(path, root)))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(str(error), file=file, expected="well-formed TOML") from None
+    except ValidationError as error:
+        field, value, expected = _expectation(PaperFile, error.errors()[0])
+        raise InputError(file=file, field=field, value=value, expected=expected) from None
+
+
+@dataclass(frozen=True)
+class PrintedMatrix:
+    """A matrix digit for digit as printed.
+
+    Attributes
+    ----------
+    rows : tuple of tuple of PrintedNumber
+    """
+
+    rows: tuple[tuple[PrintedNumber, ...], ...]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return len(self.rows), len(self.rows[0])
+
+    def _each(self, attribute: str) -> tuple[tuple[Fraction, ...], ...]:
+        return tuple(tuple(getattr(entry, attribute) for entry in row) for row in self.rows)
+
+    @cached_property
+    def exact(self) -> tuple[tuple[Fraction, ...], ...]:
+        """The printed digits as rationals."""
+        return self._each("value")
+
+    @cached_property
+    def half_units(self) -> tuple[tuple[Fraction, ...], ...]:
+        """Half a unit of the last printed digit of every entry."""
+        return self._each("half_unit")
+
+    @cached_property
+    def low(self) -> tuple[tuple[Fraction, ...], ...]:
+        """Smallest matrix that rounds to these digits."""
+        return self._each("low")
+
+    @cached_property
+    def high(self) -> tuple[tuple[Fraction, ...], ...]:
+        """Largest matrix that rounds to these digits."""
+        return self._each("high")
+
+    @cached_property
+    def floats(self) -> np.ndarray:
+        """The nearest doubles, read-only."""
+        array = np.array([[float(entry) for entry in row] for row in self.rows])
+        array.flags.writeable = False
+        return array
+
+
+def read_matrix(path: Path, root: Path | None = None) -> PrintedMatrix:
+    """Read a printed matrix: one row a line, exact decimals, no header.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, ragged, or holds anything but decimal numbers.
+    """
+    file = shown(path, root)
+    header, rows = read_csv(path, root)
+    lines = [(1, header), *rows]
+    matrix = []
+    for number, cells in lines:
+        entries = []
+        for column, text in enumerate(cells, start=1):
+            try:
+                entries.append(PrintedNumber(text))
+            except InputError as error:
+                raise InputError(
+                    file=file, row=number, field=f"column {column}", value=text, expected=error.expected
+                ) from None
+        matrix.append(tuple(entries))
+    return PrintedMatrix(tuple(matrix))

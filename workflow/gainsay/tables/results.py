@@ -1,0 +1,292 @@
+"""What a step writes: quantities, certificates, designs, gains, scans, failures; each file written whole or not at all."""
+
+import json
+import math
+import time
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gainsay.errors import ComputationError, GainsayError, InputError
+from gainsay.tables.case import Case
+from gainsay.tables.files import read_csv, read_text, write_csv, write_json
+from gainsay.tables.reading import PrintedMatrix
+
+QUANTITY_COLUMNS = ("quantity", "value", "unit", "lower", "upper", "method", "source")
+GAIN_COLUMNS = (
+    "gain", "row", "column", "published", "rounding_low", "rounding_high", "resynthesised", "identified",
+    "range_low", "range_high",
+)  # fmt: skip
+FAILURE_COLUMNS = ("step", "where", "task", "message")
+#: the tables of a step's results that are joined over all steps of a paper
+PARTS = {"quantities": QUANTITY_COLUMNS, "gains": GAIN_COLUMNS, "failures": FAILURE_COLUMNS}
+STEPS = ("synthesis", "audit", "simulation")
+
+TaskFunction = Callable[[Case, "Results"], None]
+
+
+def task(where: str) -> Callable[[TaskFunction], TaskFunction]:
+    """Mark a function as a task of a step; `where` is the equation or item of the paper that it works on."""
+
+    def mark(function: TaskFunction) -> TaskFunction:
+        function.where = where  # type: ignore[attr-defined]  # functions take attributes
+        return function
+
+    return mark
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A value measured from a log, with its numerical enclosure where a second method gives one."""
+
+    value: float
+    method: str
+    lower: float | None = None
+    upper: float | None = None
+
+
+class Results:
+    """Collects what a step of a paper finds and writes it when the step ends.
+
+    Parameters
+    ----------
+    case : Case
+    step : str
+        One of `STEPS`.
+    verify : callable, optional
+        Takes a certificate and raises where it proves nothing; given by the step, which knows the checker.
+    """
+
+    def __init__(self, case: Case, step: str, verify: Callable[[Any], object] | None = None) -> None:
+        self.case, self.step, self._verify = case, step, verify
+        self._rows: dict[str, list[Sequence[object]]] = {part: [] for part in PARTS}
+        self._seen: set[str] = set()
+        self._attempts: list[dict[str, object]] = []
+        self._written: list[str] = []
+        self._said = False
+        self._clock = time.perf_counter()
+        self._forget_earlier_files()
+
+    def _listing(self) -> Path:
+        return self.case.results / "parts" / f"{self.step}.files.csv"
+
+    def _forget_earlier_files(self) -> None:
+        if self._listing().is_file():
+            for _, (file,) in read_csv(self._listing())[1]:
+                (self.case.results / file).unlink(missing_ok=True)
+            self._listing().unlink()
+
+    def _file(self, relative: str) -> Path:
+        self._written.append(relative)
+        return self.case.results / relative
+
+    def quantity(
+        self,
+        quantity: str,
+        value: float,
+        *,
+        method: str,
+        source: str = "",
+        lower: float | None = None,
+        upper: float | None = None,
+    ) -> None:
+        """Add a computed number.
+
+        Parameters
+        ----------
+        quantity : str
+            An id declared in the paper's quantities.csv.
+        value : float
+            In the declared unit.
+        method : str
+            How it was computed, one line.
+        source : str, optional
+            Equation, sentence or file behind it.
+        lower, upper : float, optional
+            A proved or numerical enclosure.
+
+        Raises
+        ------
+        ComputationError
+            If the id is not declared for this step, was given already, or a number is not finite.
+        """
+        declared = self.case.quantities.get(quantity)
+        if declared is None or declared.step != self.step:
+            raise ComputationError(quantity, f"not declared for the step {self.step} in quantities.csv")
+        if quantity in self._seen:
+            raise ComputationError(quantity, "computed twice")
+        numbers = [float(x) for x in (value, lower, upper) if x is not None]
+        if not all(math.isfinite(x) for x in numbers):
+            raise ComputationError(quantity, f"not finite: {numbers}")
+        if (lower is not None and lower > value) or (upper is not None and upper < value):
+            raise ComputationError(quantity, f"{value} outside its own enclosure {lower}..{upper}")
+        self._seen.add(quantity)
+        ends = [None if x is None else float(x) for x in (lower, upper)]
+        self._rows["quantities"].append((quantity, float(value), declared.unit, *ends, method, source))
+
+    def measured(self, measures: Mapping[str, Measured], source: str) -> None:
+        """Add quantities measured from a log."""
+        for quantity, found in measures.items():
+            self.quantity(
+                quantity, found.value, method=found.method, source=source, lower=found.lower, upper=found.upper
+            )
+
+    def certificate(self, certificate: Any) -> None:
+        """Write a certificate, once the checker has accepted it.
+
+        Raises
+        ------
+        ComputationError
+            If the checker refuses it.
+        """
+        if self._verify is not None:
+            try:
+                self._verify(certificate)
+            except GainsayError as error:
+                raise ComputationError(certificate.id, f"certificate refused: {error}") from error
+        certificate.write(self._file(f"certificates/{certificate.id}.json"))
+
+    def design(self, name: str, *, note: str = "", **matrices: np.ndarray) -> None:
+        """Write the gains of a design that a later step simulates."""
+        content = {key: np.asarray(value, dtype=float).tolist() for key, value in matrices.items()}
+        write_json(self._file(f"designs/{name}.json"), {"name": name, "note": note, "matrices": content})
+
+    def read_design(self, name: str) -> dict[str, np.ndarray]:
+        """Read a design of this paper."""
+        return read_design(self.case.root, self.case.name, name)
+
+    def gains(
+        self,
+        gain: str,
+        *,
+        published: PrintedMatrix,
+        resynthesised: np.ndarray | None = None,
+        identified: np.ndarray | None = None,
+        low: np.ndarray | None = None,
+        high: np.ndarray | None = None,
+    ) -> None:
+        """Add a gain entry by entry: as printed with its rounding interval, and as synthesised again.
+
+        Parameters
+        ----------
+        published : PrintedMatrix
+        resynthesised : ndarray, optional
+            Same shape.
+        identified : ndarray of bool, optional
+            Whether the synthesis determines the entry.
+        low, high : ndarray, optional
+            Range of the entry over near-optimal solutions.
+        """
+
+        def entry(array: np.ndarray | None, i: int, j: int) -> object:
+            return None if array is None else np.asarray(array)[i, j].item()
+
+        for i, row in enumerate(published.rows):
+            for j, printed in enumerate(row):
+                self._rows["gains"].append((
+                    gain, i + 1, j + 1, printed.text, float(printed.low), float(printed.high),
+                    entry(resynthesised, i, j), entry(identified, i, j), entry(low, i, j), entry(high, i, j),
+                ))  # fmt: skip
+
+    def scan(self, scan: Any) -> None:
+        """Write a scan over plausible inputs."""
+        write_json(self._file(f"scans/{scan.claim}.json"), scan.to_json())
+
+    def attempt(self, where: str, content: object) -> None:
+        """Keep a solver's log or a timing; not deterministic, never compared."""
+        self._attempts.append({"where": where, "content": content})
+
+    def say(self, where: str, found: str) -> None:
+        """Print a progress line: paper, step, place in the paper, what was found, seconds since the last line."""
+        now = time.perf_counter()
+        head = f"{self.case.name}  {self.step:<10}  {where}  {found}"
+        print(f"{head:<100}  {now - self._clock:6.1f} s", flush=True)
+        self._clock, self._said = now, True
+
+    @contextmanager
+    def task(self, where: str, name: str) -> Iterator[None]:
+        """Run a part of the step: if it breaks, keep a failed record and go on.
+
+        Bad input is no broken computation: it ends the step.
+        """
+        self._said = False
+        try:
+            yield
+        except InputError:
+            raise
+        except Exception as error:  # whatever broke must not hide the paper's other results
+            message = str(error) or type(error).__name__
+            attempts = [dict(a) for a in getattr(error, "attempts", ())]
+            self._rows["failures"].append((self.step, where, name, message))
+            self._attempts.append({"where": where, "failed": message, "attempts": attempts,
+                                   "traceback": traceback.format_exc()})  # fmt: skip
+            tried = f", {len(attempts)} attempts" if attempts else ""
+            self.say(where, f"FAILED{tried}: {message}")
+        else:
+            if not self._said:
+                self.say(where, "done")
+
+    def close(self) -> None:
+        """Write the tables of this step."""
+        parts = self.case.results / "parts"
+        write_json(self.case.results / "attempts" / f"{self.step}.json", self._attempts)
+        write_csv(self._listing(), ("file",), [(file,) for file in sorted(self._written)])
+        for part, columns in PARTS.items():
+            write_csv(parts / f"{self.step}.{part}.csv", columns, self._rows[part])
+
+
+def run_tasks(results: Results, tasks: Iterable[TaskFunction]) -> None:
+    """Run the tasks of a step one by one, then write what they found."""
+    for function in tasks:
+        with results.task(function.where, function.__name__):  # type: ignore[attr-defined]  # set by `task`
+            function(results.case, results)
+    results.close()
+
+
+def read_part(case: Case, part: str) -> list[dict[str, str]]:
+    """Read one of `PARTS`, joined over the steps in their order; steps that have not run yet are passed over."""
+    rows: list[dict[str, str]] = []
+    for step in STEPS:
+        path = case.results / "parts" / f"{step}.{part}.csv"
+        if path.is_file():
+            header, lines = read_csv(path, case.root)
+            rows += [dict(zip(header, cells, strict=True)) for _, cells in lines]
+    return rows
+
+
+def read_design(root: Path, paper: str, name: str) -> dict[str, np.ndarray]:
+    """Read the gains of a design.
+
+    Raises
+    ------
+    ComputationError
+        If the step that makes it has not, or has failed.
+    """
+    path = root / "results" / paper / "designs" / f"{name}.json"
+    if not path.is_file():
+        raise ComputationError(name, "the design was not synthesised")
+    content = json.loads(read_text(path, root))
+    return {key: np.array(value, dtype=float) for key, value in content["matrices"].items()}
+
+
+class Designs(Mapping[str, dict[str, np.ndarray]]):
+    """The designs that the synthesis of a paper made, read when asked for."""
+
+    def __init__(self, case: Case) -> None:
+        self._case = case
+
+    def __getitem__(self, name: str) -> dict[str, np.ndarray]:
+        if name not in self._case.paper.designs:
+            raise KeyError(name)
+        return read_design(self._case.root, self._case.name, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._case.paper.designs)
+
+    def __len__(self) -> int:
+        return len(self._case.paper.designs)
