@@ -1,0 +1,1 @@
+"""Linear systems: state space, poles, norms, regions, linear fractional transformations."""

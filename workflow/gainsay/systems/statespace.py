@@ -1,0 +1,143 @@
+"""Linear time-invariant systems in state-space form: dx/dt = A x + B w, z = C x + D w."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gainsay.errors import InputError
+
+
+def spectral_abscissa(A) -> float:
+    """Largest real part among the eigenvalues of a square matrix.
+
+    Parameters
+    ----------
+    A : array_like, shape (n, n)
+        State matrix, 1/s.
+
+    Returns
+    -------
+    float
+        The spectral abscissa, 1/s; negative for an asymptotically stable system.
+
+    Raises
+    ------
+    InputError
+        If the matrix is empty, not square or not finite.
+    """
+    return float(np.linalg.eigvals(square(A, "A")).real.max())
+
+
+def square(A, name: str = "A") -> np.ndarray:
+    """Return the matrix as a finite square float array, or raise InputError naming it."""
+    array = finite(A, name)
+    if array.shape[0] != array.shape[1] or array.shape[0] == 0:
+        raise InputError("state matrix of the wrong shape", field=name, value=array.shape, expected="(n, n), n >= 1")
+    return array
+
+
+def finite(M, name: str) -> np.ndarray:
+    """Return the matrix as a finite two-dimensional float array, or raise InputError naming it."""
+    try:
+        array = np.asarray(M, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError("not a matrix of real numbers", field=name, expected="a real matrix") from error
+    if array.ndim != 2:
+        raise InputError("not a matrix", field=name, value=array.shape, expected="two dimensions")
+    if not np.isfinite(array).all():
+        raise InputError("matrix with entries that are not finite", field=name, expected="finite entries")
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class StateSpace:
+    """A state-space system with checked shapes.
+
+    Attributes
+    ----------
+    A : ndarray, shape (n, n)
+        State matrix.
+    B : ndarray, shape (n, m)
+        Input matrix.
+    C : ndarray, shape (p, n)
+        Output matrix.
+    D : ndarray, shape (p, m)
+        Feedthrough matrix; zero where None is given.
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit together or an entry is not finite.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        A, B, C = square(self.A, "A"), finite(self.B, "B"), finite(self.C, "C")
+        states, inputs, outputs = A.shape[0], B.shape[1], C.shape[0]
+        D = np.zeros((outputs, inputs)) if self.D is None else finite(self.D, "D")
+        for name, matrix, shape in (
+            ("B", B, (states, inputs)),
+            ("C", C, (outputs, states)),
+            ("D", D, (outputs, inputs)),
+        ):
+            if matrix.shape != shape:
+                raise InputError("matrix of the wrong shape", field=name, value=matrix.shape, expected=str(shape))
+        for name, matrix in zip("ABCD", (A, B, C, D), strict=True):
+            object.__setattr__(self, name, matrix)
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether every eigenvalue of A lies strictly in the left half plane."""
+        return spectral_abscissa(self.A) < 0
+
+    def require_stable(self, what: str = "norm") -> None:
+        """Raise InputError, naming the spectral abscissa, unless the system is stable."""
+        abscissa = spectral_abscissa(self.A)
+        if abscissa >= 0:
+            raise InputError(f"{what} of an unstable system: spectral abscissa", value=abscissa, expected="below 0")
+
+    def response(self, frequency: float) -> np.ndarray:
+        """Frequency response C (j w I - A)^-1 B + D.
+
+        Parameters
+        ----------
+        frequency : float
+            Angular frequency w in rad/s; infinity gives D.
+
+        Returns
+        -------
+        ndarray of complex, shape (p, m)
+        """
+        if np.isinf(frequency):
+            return self.D.astype(complex)
+        shifted = 1j * frequency * np.eye(self.A.shape[0]) - self.A
+        return self.C @ np.linalg.solve(shifted, self.B) + self.D
+
+    def gain(self, frequency: float) -> float:
+        """Largest singular value of the response at an angular frequency in rad/s."""
+        return float(np.linalg.norm(self.response(frequency), 2))
+
+    def balanced(self) -> "StateSpace":
+        """Return the same system with states rescaled by powers of two so that rows and columns weigh alike."""
+        A, B, C = self.A.copy(), self.B.copy(), self.C.copy()
+        for _ in range(20):
+            changed = False
+            for i in range(A.shape[0]):
+                column = np.sqrt(np.sum(A[:, i] ** 2) - A[i, i] ** 2 + np.sum(C[:, i] ** 2))
+                row = np.sqrt(np.sum(A[i] ** 2) - A[i, i] ** 2 + np.sum(B[i] ** 2))
+                if not (row > 0 and column > 0):
+                    continue
+                factor = 2.0 ** np.round(0.5 * np.log2(row / column))
+                if factor != 1.0:
+                    A[:, i] *= factor
+                    C[:, i] *= factor
+                    A[i] /= factor
+                    B[i] /= factor
+                    changed = True
+            if not changed:
+                break
+        return StateSpace(A, B, C, self.D)
