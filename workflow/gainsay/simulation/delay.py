@@ -1,0 +1,372 @@
+"""Linear systems with a time-varying delay that may touch zero: Gauss collocation on a mesh through the breakpoints.
+
+x'(t) = A x(t) + Bd Cd x(t - d(t)) + f(t), constant history. The solution is a polynomial of degree s on every interval,
+its derivative matching at the s Gauss points. The delayed signal is read off that polynomial, also where t - d(t) falls
+into the interval being solved, so a vanishing delay needs no special step. A constant history leaves a kink in x' at
+the start, which t - d(t) carries on to later breakpoints, smoother by one each time; the first ones are mesh points.
+The order is s + 1, in between and at the mesh (Bellen and Zennaro, Numerical Methods for Delay Differential Equations,
+2003, chapter 6: superconvergence is lost where delayed arguments fall between mesh points).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from gainsay.errors import ComputationError, InputError
+
+_CHUNK = 2048  # intervals prepared at once
+
+
+@dataclass(frozen=True)
+class DelayLaw:
+    """A delay d(t) with the bounds it promises.
+
+    Parameters
+    ----------
+    value : callable
+        d(t) in s, for an array of times in s.
+    high : float
+        Bound d_M: 0 <= d(t) <= high.
+    rate : float
+        Bound mu on d'(t), below 1, so that t - d(t) increases.
+    """
+
+    value: Callable[[np.ndarray], np.ndarray]
+    high: float
+    rate: float
+
+    def __call__(self, t: np.ndarray | float) -> np.ndarray:
+        """Delay at t, s."""
+        return np.asarray(self.value(np.asarray(t, dtype=float)), dtype=float)
+
+    def check(self, times: np.ndarray) -> None:
+        """Refuse a law that leaves [0, high] or grows faster than its rate on an increasing grid.
+
+        Parameters
+        ----------
+        times : ndarray
+            s, strictly increasing.
+
+        Raises
+        ------
+        InputError
+            Naming the first time at which a bound is broken, to the grid's resolution and then bisected.
+        """
+        if not (np.isfinite(self.high) and self.high >= 0):
+            raise InputError("", field="high", value=self.high, expected="a finite time >= 0 s")
+        if not self.rate < 1:
+            raise InputError("", field="rate", value=self.rate, expected="below 1")
+        slack = 4e-16 * (1 + self.high)
+        delays = self(times)
+        if delays.shape != times.shape or not np.all(np.isfinite(delays)):
+            raise InputError("a delay law gives one finite number a time", field="delay", value=delays.shape)
+        low, high = delays < -slack, delays > self.high + slack
+        # A chord steeper than the rate proves that d' exceeds it somewhere between; rounding of t is allowed for.
+        rounding = 1e-15 * (1 + np.abs(times[1:]))
+        steep = np.append(False, np.diff(delays) > self.rate * np.diff(times) + rounding)
+        bad = np.flatnonzero(low | high | steep)
+        if not bad.size:
+            return
+        k = bad[0]
+        if low[k] or high[k]:
+            outside = lambda t: not -slack <= float(self(t)) <= self.high + slack  # noqa: E731
+            time = times[0] if k == 0 else _first(outside, times[k - 1], times[k])
+            bound = f"within 0..{self.high:g} s"
+            raise InputError(f"delay at t = {time:.9g} s", field="d", value=float(self(time)), expected=bound)
+        slope = (delays[k] - delays[k - 1]) / (times[k] - times[k - 1])
+        raise InputError(f"delay rate near t = {times[k - 1]:.9g} s", field="d'", value=float(slope),
+                         expected=f"at most {self.rate:g}")  # fmt: skip
+
+    def breakpoints(self, start: float, count: int) -> list[float]:
+        """Times xi_1 < xi_2 < ... after the start with xi_k - d(xi_k) = xi_{k-1}, xi_0 = start.
+
+        Parameters
+        ----------
+        start : float
+            s.
+        count : int
+            How many at most; those closer than 1e-9 s to the one before are left out (the delay vanishes there).
+        """
+        found, before = [], start
+        for _ in range(count):
+            low, high = before, before + self.high
+            for _ in range(200):
+                middle = (low + high) / 2
+                if middle in (low, high):
+                    break
+                if middle - float(self(middle)) < before:
+                    low = middle
+                else:
+                    high = middle
+            if high - before < 1e-9:
+                break
+            found.append(high)
+            before = high
+        return found
+
+
+def _first(outside: Callable[[float], bool], low: float, high: float) -> float:
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (low, middle) if outside(middle) else (middle, high)
+    return high
+
+
+@dataclass(frozen=True)
+class Collocation:
+    """Gauss-Legendre collocation with s points on [0, 1].
+
+    Attributes
+    ----------
+    nodes : ndarray, shape (s,)
+    integrals : ndarray, shape (s, s)
+        integrals[i, j]: integral of the j-th Lagrange polynomial from 0 to node i.
+    weights : ndarray, shape (s,)
+    powers : ndarray, shape (s, s)
+        Monomial coefficients of the Lagrange polynomials, powers[j, k] of theta^k.
+    """
+
+    nodes: np.ndarray
+    integrals: np.ndarray
+    weights: np.ndarray
+    powers: np.ndarray
+
+    @classmethod
+    def gauss(cls, stages: int) -> "Collocation":
+        """Return the rule with the given number of points, 1..8."""
+        if not 1 <= stages <= 8:
+            raise InputError("", field="stages", value=stages, expected="1..8")
+        x, w = np.polynomial.legendre.leggauss(stages)
+        nodes = (1 + x) / 2
+        powers = np.linalg.inv(np.vander(nodes, increasing=True)).T
+        rule = cls(nodes, np.empty((0, 0)), w / 2, powers)
+        return cls(nodes, rule.partial(nodes), w / 2, powers)
+
+    def lagrange(self, theta: np.ndarray) -> np.ndarray:
+        """Lagrange polynomials at theta; shape theta.shape + (s,)."""
+        theta = np.asarray(theta, dtype=float)
+        return theta[..., None] ** np.arange(len(self.nodes)) @ self.powers.T
+
+    def partial(self, theta: np.ndarray) -> np.ndarray:
+        """Integrals of the Lagrange polynomials from 0 to theta; shape theta.shape + (s,)."""
+        theta = np.asarray(theta, dtype=float)
+        k = np.arange(1, len(self.nodes) + 1)
+        return (theta[..., None] ** k / k) @ self.powers.T
+
+
+@dataclass(frozen=True)
+class DelaySolution:
+    """A piecewise polynomial solution.
+
+    Attributes
+    ----------
+    mesh : ndarray, shape (m + 1,)
+        s, increasing.
+    states : ndarray, shape (m + 1, n)
+        At the mesh.
+    slopes : ndarray, shape (m, s, n)
+        Derivatives at the Gauss points of every interval.
+    rule : Collocation
+    """
+
+    mesh: np.ndarray
+    states: np.ndarray
+    slopes: np.ndarray
+    rule: Collocation
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        """Return the state at times at or after the first mesh point, shape (k, n); before it the constant history."""
+        return self._evaluate(times, derivative=False)
+
+    def derivative(self, times: np.ndarray) -> np.ndarray:
+        """Return x'(t), shape (k, n); zero before the first mesh point."""
+        return self._evaluate(times, derivative=True)
+
+    def _evaluate(self, times: np.ndarray, derivative: bool) -> np.ndarray:
+        times = np.atleast_1d(np.asarray(times, dtype=float))
+        if times.size and times.max() > self.mesh[-1] * (1 + 1e-12):
+            raise InputError("", field="time", value=float(times.max()), expected=f"at most {self.mesh[-1]:g} s")
+        k = np.clip(np.searchsorted(self.mesh, times, side="right") - 1, 0, len(self.mesh) - 2)
+        h = self.mesh[k + 1] - self.mesh[k]
+        theta = (times - self.mesh[k]) / h
+        before = times < self.mesh[0]
+        if derivative:
+            value = np.einsum("ks,ksn->kn", self.rule.lagrange(theta), self.slopes[k])
+            value[before] = 0
+            return value
+        value = self.states[k] + np.einsum("ks,ksn->kn", h[:, None] * self.rule.partial(theta), self.slopes[k])
+        value[before] = self.states[0]
+        return value
+
+    @property
+    def stage_times(self) -> np.ndarray:
+        """Gauss points of every interval, s, shape (m, s)."""
+        return self.mesh[:-1, None] + np.diff(self.mesh)[:, None] * self.rule.nodes
+
+    def running_integral(self, density: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+        """Integral of a function of time and state from the first mesh point to every mesh point.
+
+        Parameters
+        ----------
+        density : callable
+            density(times (k,), states (k, n)) -> (k,).
+
+        Returns
+        -------
+        ndarray, shape (m + 1,)
+            By the Gauss rule on every interval, exact to degree 2 s - 1.
+        """
+        h = np.diff(self.mesh)
+        inner = np.einsum("ij,kjn->kin", self.rule.integrals, self.slopes) * h[:, None, None]
+        states = self.states[:-1, None, :] + inner
+        values = density(self.stage_times.ravel(), states.reshape(-1, states.shape[-1])).reshape(len(h), -1)
+        return np.concatenate([[0.0], np.cumsum(h * (values @ self.rule.weights))])
+
+
+def delay_mesh(law: DelayLaw, start: float, end: float, step: float, stages: int) -> tuple[np.ndarray, np.ndarray]:
+    """Mesh of nearly even steps that contains the breakpoints which the scheme can feel.
+
+    Parameters
+    ----------
+    law : DelayLaw
+    start, end, step : float
+        s.
+    stages : int
+        A jump in the k-th derivative with k > 2 s + 1 is below the order of the scheme.
+
+    Returns
+    -------
+    mesh : ndarray, shape (m + 1,)
+        s.
+    steps : ndarray, shape (m,)
+        Nominal steps: equal ones are equal to the last bit, which differences of the mesh are not.
+    """
+    if not (np.isfinite([start, end, step]).all() and end > start and step > 0):
+        raise InputError("", field="start, end, step", value=(start, end, step), expected="start < end, step > 0")
+    points = [start, *(t for t in law.breakpoints(start, 2 * stages + 1) if t < end), end]
+    pieces, steps = [np.array([start])], []
+    for a, b in zip(points[:-1], points[1:], strict=True):
+        count = max(1, int(np.ceil((b - a) / step - 1e-9)))
+        pieces.append(a + (b - a) * np.arange(1, count + 1) / count)
+        steps.append(np.full(count, (b - a) / count))
+    return np.concatenate(pieces), np.concatenate(steps)
+
+
+def simulate_delay(
+    A: np.ndarray,
+    Bd: np.ndarray,
+    Cd: np.ndarray,
+    law: DelayLaw,
+    initial: np.ndarray,
+    end: float,
+    *,
+    forcing: Callable[[np.ndarray], np.ndarray] | None = None,
+    start: float = 0.0,
+    step: float = 0.01,
+    stages: int = 5,
+) -> DelaySolution:
+    """Solve x' = A x + Bd Cd x(t - d(t)) + f(t) with x(t) = initial for t <= start.
+
+    Parameters
+    ----------
+    A, Bd, Cd : ndarray
+        Shapes (n, n), (n, r), (r, n).
+    law : DelayLaw
+        Checked over the whole run before anything is computed.
+    initial : ndarray, shape (n,)
+    end : float
+        s.
+    forcing : callable, optional
+        f(times (k,)) -> (k, n).
+    start, step : float
+        s.
+    stages : int
+        Gauss points s; the order is s + 1.
+
+    Returns
+    -------
+    DelaySolution
+
+    Raises
+    ------
+    InputError
+        If the law leaves its bounds (with the time), or shapes disagree.
+    ComputationError
+        If the state leaves the range of double precision.
+    """
+    A, Bd, Cd, initial = (np.asarray(v, dtype=float) for v in (A, Bd, Cd, initial))
+    n, r = Bd.shape
+    if A.shape != (n, n) or Cd.shape != (r, n) or initial.shape != (n,):
+        raise InputError("shapes", field="A, Bd, Cd, initial", value=(A.shape, Bd.shape, Cd.shape, initial.shape))
+    rule = Collocation.gauss(stages)
+    mesh, h = delay_mesh(law, start, end, step, stages)
+    times = mesh[:-1, None] + h[:, None] * rule.nodes
+    law.check(np.unique(np.append(mesh, times)))
+    states = np.empty((len(mesh), n))
+    states[0] = initial
+    slopes = np.empty((len(h), stages, n))
+    # The delayed signal's polynomial of every interval: value at the left end, then h times its slopes.
+    memory = np.zeros((len(h) + 1, stages + 1, r))
+    memory[-1, 0] = Cd @ initial  # the history, read through index -1
+    for first in range(0, len(h), _CHUNK):
+        block = slice(first, min(first + _CHUNK, len(h)))
+        _advance(block, A, Bd, Cd, law, forcing, rule, mesh, h, times, states, slopes, memory)
+        if not np.all(np.isfinite(states[block.stop])):
+            raise ComputationError("delay simulation", f"state leaves double precision before {mesh[block.stop]:g} s")
+    return DelaySolution(mesh, states, slopes, rule)
+
+
+def _advance(block, A, Bd, Cd, law, forcing, rule, mesh, h, times, states, slopes, memory) -> None:
+    """Solve the intervals of one block; everything that does not depend on the state is prepared at once."""
+    n, r = Bd.shape
+    s = len(rule.nodes)
+    steps, stage = h[block], times[block]
+    count = len(steps)
+    f = np.zeros((count, s, n)) if forcing is None else forcing(stage.ravel()).reshape(count, s, n)
+    delayed = stage - law(stage)
+    at = np.searchsorted(mesh, delayed, side="right") - 1  # -1: the history
+    own = np.arange(block.start, block.stop)[:, None]
+    # A delay that vanishes to rounding may put t - d(t) a hair beyond its own interval.
+    at = np.minimum(at, own)
+    past = at < 0
+    theta = np.where(past, 0.0, (delayed - mesh[at]) / h[np.maximum(at, 0)])
+    reading = np.concatenate([np.ones((count, s, 1)), rule.partial(theta)], axis=2)  # (count, s, 1 + s)
+    inside = (at == own) & ~past
+
+    # Slopes: Z = G (1 x A x_k + f + Bd v) with G = (I - h a x A)^-1, one for each distinct step.
+    solved: dict[float, np.ndarray] = {}
+    for value in np.unique(steps):
+        solved[value] = np.linalg.inv(np.eye(s * n) - value * np.kron(rule.integrals, A))
+    ones_A = np.kron(np.ones((s, 1)), A)
+    eye_Bd = np.kron(np.eye(s), Bd)
+    from_state = {key: G @ ones_A for key, G in solved.items()}
+    from_delayed = {key: G @ eye_Bd for key, G in solved.items()}
+    read_state = {key: np.einsum("rn,jnm->jrm", Cd, M.reshape(s, n, n)) for key, M in from_state.items()}
+    read_delayed = {key: np.einsum("rn,jnm->jrm", Cd, M.reshape(s, n, s * r)) for key, M in from_delayed.items()}
+    forced = np.empty((count, s * n))
+    for key, G in solved.items():
+        rows = steps == key
+        forced[rows] = f[rows].reshape(-1, s * n) @ G.T
+
+    # Stages that read their own interval couple the delayed values: (I - E) v = what is known.
+    couple = np.zeros((count, s, s))
+    couple[inside] = reading[inside][:, 1:]
+    couple *= steps[:, None, None]
+    touched = inside.any(axis=1)
+    weights = rule.weights
+    for k in range(count):
+        x, key = states[block.start + k], steps[k]
+        v = np.einsum("ij,ijr->ir", reading[k], memory[at[k]])
+        if touched[k]:
+            # Known part of the signal inside this interval: Cd x plus the slopes without the coupling.
+            free = read_state[key] @ x + forced[k].reshape(s, n) @ Cd.T
+            known = np.where(inside[k][:, None], Cd @ x + couple[k] @ free, v)
+            E = np.einsum("ij,jrm->irm", couple[k], read_delayed[key]).reshape(s * r, s * r)
+            v = np.linalg.solve(np.eye(s * r) - E, known.ravel()).reshape(s, r)
+        Z = (from_state[key] @ x + forced[k] + from_delayed[key] @ v.ravel()).reshape(s, n)
+        i = block.start + k
+        slopes[i] = Z
+        states[i + 1] = x + steps[k] * (weights @ Z)
+        memory[i, 0] = Cd @ x
+        memory[i, 1:] = steps[k] * (Z @ Cd.T)
