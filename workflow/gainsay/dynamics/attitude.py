@@ -1,0 +1,184 @@
+"""Rigid attitude dynamics on a circular orbit, in Euler 3-2-1 angles from the LVLH frame to the body frame.
+
+The LVLH frame: first axis along the velocity, third axis towards the Earth, second axis against the orbit normal; it
+turns at -n about its second axis. Angles are (roll, pitch, yaw) = (phi, theta, psi).
+
+References
+----------
+B. Wie, Space Vehicle Dynamics and Control, AIAA, 1998, section 6.10.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from gainsay.errors import InputError
+
+
+def direction_cosines(angles) -> np.ndarray:
+    """Rotation from LVLH to body components for yaw, pitch, roll turned in this order.
+
+    Parameters
+    ----------
+    angles : array_like, shape (3,)
+        phi, theta, psi in rad.
+
+    Returns
+    -------
+    ndarray, shape (3, 3)
+        Columns are the LVLH axes in body components.
+    """
+    (cf, ct, cp), (sf, st, sp) = np.cos(angles), np.sin(angles)
+    return np.array(
+        [
+            [ct * cp, ct * sp, -st],
+            [sf * st * cp - cf * sp, sf * st * sp + cf * cp, sf * ct],
+            [cf * st * cp + sf * sp, cf * st * sp - sf * cp, cf * ct],
+        ]
+    )
+
+
+def rate_matrix(angles) -> np.ndarray:
+    """Matrix from Euler angle rates to the body components of the rate relative to LVLH, shape (3, 3).
+
+    Parameters
+    ----------
+    angles : array_like, shape (3,)
+        phi, theta, psi in rad.
+    """
+    phi, theta = angles[0], angles[1]
+    return np.array(
+        [
+            [1, 0, -np.sin(theta)],
+            [0, np.cos(phi), np.sin(phi) * np.cos(theta)],
+            [0, -np.sin(phi), np.cos(phi) * np.cos(theta)],
+        ]
+    )
+
+
+def rate_body(angles, angle_rates, n: float) -> np.ndarray:
+    """Inertial angular rate in body components from Euler angles and their rates.
+
+    Parameters
+    ----------
+    angles, angle_rates : array_like, shape (3,)
+        rad and rad/s.
+    n : float
+        Orbital rate, rad/s.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        rad/s.
+    """
+    return rate_matrix(angles) @ np.asarray(angle_rates, dtype=float) - n * direction_cosines(angles)[:, 1]
+
+
+def euler_rates(angles, omega, n: float) -> np.ndarray:
+    """Rates of the Euler angles from the inertial rate in body components, the inverse of `rate_body`.
+
+    Parameters
+    ----------
+    angles, omega : array_like, shape (3,)
+        rad and rad/s.
+    n : float
+        Orbital rate, rad/s.
+
+    Raises
+    ------
+    InputError
+        Within 1e-9 rad of gimbal lock, pitch at 90 deg.
+    """
+    if abs(np.cos(angles[1])) < 1e-9:
+        raise InputError("Euler angles at gimbal lock", field="theta", value=float(angles[1]), expected="not 90 deg")
+    relative = np.asarray(omega, dtype=float) + n * direction_cosines(angles)[:, 1]
+    return np.linalg.solve(rate_matrix(angles), relative)
+
+
+def inertia_matrix(inertia) -> np.ndarray:
+    """Inertia matrix from three principal moments or from itself, kg m^2.
+
+    Raises
+    ------
+    InputError
+        If it is not symmetric positive definite or violates the triangle inequality of a rigid body.
+    """
+    J = np.asarray(inertia, dtype=float)
+    J = np.diag(J) if J.ndim == 1 else J
+    if J.shape != (3, 3) or not np.allclose(J, J.T, rtol=1e-12, atol=0):
+        raise InputError("inertia", value=J.shape, expected="three principal moments or a symmetric 3x3 matrix")
+    moments = np.linalg.eigvalsh(J)
+    if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-12):
+        raise InputError(
+            "inertia", value=moments.tolist(), expected="positive moments, none above the sum of the others"
+        )
+    return J
+
+
+def gravity_gradient(inertia, angles, n: float) -> np.ndarray:
+    """Gravity-gradient torque 3 n^2 a3 x (J a3) in body components, N m, without small-angle approximation.
+
+    Parameters
+    ----------
+    inertia : array_like, shape (3,) or (3, 3)
+        kg m^2.
+    angles : array_like, shape (3,)
+        rad.
+    n : float
+        Orbital rate, rad/s.
+    """
+    J = np.asarray(inertia, dtype=float)
+    nadir = direction_cosines(angles)[:, 2]
+    return 3 * n**2 * np.cross(nadir, (J * nadir) if J.ndim == 1 else J @ nadir)
+
+
+def gravity_gradient_linear(inertia, angles, n: float) -> np.ndarray:
+    """Gravity-gradient torque to first order in the angles for principal moments, N m."""
+    Ix, Iy, Iz = inertia
+    return 3 * n**2 * np.array([(Iz - Iy) * angles[0], (Iz - Ix) * angles[1], 0.0])
+
+
+def derivative(
+    state,
+    inertia,
+    n: float,
+    torque,
+    gradient: Callable = gravity_gradient,
+) -> np.ndarray:
+    """Right-hand side of the nonlinear attitude motion.
+
+    Parameters
+    ----------
+    state : array_like, shape (6,)
+        phi, theta, psi (rad) and the inertial rate in body components (rad/s).
+    inertia : array_like, shape (3,) or (3, 3)
+        kg m^2.
+    n : float
+        Orbital rate, rad/s.
+    torque : array_like, shape (3,)
+        Control and disturbance in body components, N m.
+    gradient : callable
+        (inertia, angles, n) -> gravity-gradient torque.
+
+    Returns
+    -------
+    ndarray, shape (6,)
+    """
+    angles, omega = np.asarray(state[:3], dtype=float), np.asarray(state[3:6], dtype=float)
+    J = np.asarray(inertia, dtype=float)
+    momentum = J * omega if J.ndim == 1 else J @ omega
+    moment = gradient(inertia, angles, n) + np.asarray(torque, dtype=float) - np.cross(omega, momentum)
+    return np.concatenate([euler_rates(angles, omega, n), moment / J if J.ndim == 1 else np.linalg.solve(J, moment)])
+
+
+def jacobi_integral(state, inertia, n: float) -> float:
+    """Constant of the motion on a circular orbit without control and disturbance, J.
+
+    Kinetic energy of the rate relative to LVLH, plus 3/2 n^2 a3'J a3, minus 1/2 n^2 a2'J a2.
+    """
+    J = inertia_matrix(inertia)
+    C = direction_cosines(state[:3])
+    relative = np.asarray(state[3:6], dtype=float) + n * C[:, 1]
+    return float(
+        0.5 * relative @ J @ relative + 1.5 * n**2 * C[:, 2] @ J @ C[:, 2] - 0.5 * n**2 * C[:, 1] @ J @ C[:, 1]
+    )
