@@ -1,0 +1,41 @@
+"""Linear matrix inequalities as papers print them: named blocks, scaling inside, results that are recomputed."""
+
+from gainsay.lmi.affine import Affine, Variable, affine, diagonal, matrix, positive, scalar, sym, symmetric, trace
+from gainsay.lmi.blocks import BlockMatrix, Definite, Entrywise, Equal, block_diagonal, equal, within
+from gainsay.lmi.duality import Farkas
+from gainsay.lmi.program import Check, Program, Scale
+from gainsay.lmi.solving import Failed, Infeasible, Infimum, Solved, infimum, solve
+from gainsay.lmi.sweep import Threshold, sweep, threshold
+
+__all__ = [
+    "Affine",
+    "BlockMatrix",
+    "Check",
+    "Definite",
+    "Entrywise",
+    "Equal",
+    "Failed",
+    "Farkas",
+    "Infeasible",
+    "Infimum",
+    "Program",
+    "Scale",
+    "Solved",
+    "Threshold",
+    "Variable",
+    "affine",
+    "block_diagonal",
+    "diagonal",
+    "equal",
+    "infimum",
+    "matrix",
+    "positive",
+    "scalar",
+    "solve",
+    "sweep",
+    "sym",
+    "symmetric",
+    "threshold",
+    "trace",
+    "within",
+]

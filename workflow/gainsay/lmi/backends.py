@@ -1,0 +1,175 @@
+"""Solvers behind one call: Clarabel directly, and the same program through cvxpy as a second opinion.
+
+Nothing a solver says is taken as a result: points and multipliers go through `solving` and `duality`, which recompute.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.scaling import Scaled
+
+
+@dataclass(frozen=True)
+class Raw:
+    """What a solver returned, in scaled coordinates.
+
+    Attributes
+    ----------
+    x : ndarray or None
+        Point, or None where the solver gave none.
+    multipliers : tuple of ndarray
+        One a constraint: a symmetric matrix for a matrix inequality, a list of entries else.
+    primal, dual : float
+        Objective values of the solver.
+    record : dict
+        Solver, status, iterations, seconds, message: for the attempts.
+    """
+
+    x: np.ndarray | None
+    multipliers: tuple[np.ndarray, ...] = ()
+    primal: float = float("nan")
+    dual: float = float("nan")
+    record: dict = field(default_factory=dict)
+
+
+SETTINGS = {
+    "clarabel": {},
+    "clarabel, more regularisation": {
+        "static_regularization_constant": 1e-7,
+        "dynamic_regularization_eps": 1e-12,
+        "iterative_refinement_max_iter": 30,
+    },
+    "clarabel, short steps": {"max_step_fraction": 0.9, "max_iter": 400},
+    "cvxpy": None,
+}
+
+
+def run(scaled: Scaled, constraints: Sequence, margin: float, setting: str = "clarabel") -> Raw:
+    """Solve one scaled program; whatever a solver raises becomes the record of an attempt without a point.
+
+    Parameters
+    ----------
+    scaled : Scaled
+        Program in coordinates.
+    constraints : sequence of constraints
+        Same order as in `scaled`.
+    margin : float
+        Subtracted from the diagonal of strict inequalities and from the entries of entrywise ones.
+    setting : str
+        Key of `SETTINGS`.
+    """
+    try:
+        return (_cvxpy if SETTINGS[setting] is None else _clarabel)(scaled, constraints, margin, setting)
+    except (KeyboardInterrupt, SystemExit, MemoryError):
+        raise
+    except BaseException as error:  # a panic inside Clarabel does not derive from Exception
+        message = f"{type(error).__name__}: {error}".splitlines()[0]
+        return Raw(None, record={"solver": setting, "status": "raised", "message": message})
+
+
+def _shifted(constraint: object, constant: np.ndarray, margin: float) -> np.ndarray:
+    if isinstance(constraint, Definite):
+        return constant - (margin * np.eye(len(constant)) if constraint.strict else 0)
+    return constant - margin if isinstance(constraint, Entrywise) else constant
+
+
+def _clarabel(scaled: Scaled, constraints: Sequence, margin: float, setting: str) -> Raw:
+    import clarabel
+    from scipy import sparse
+
+    size = len(scaled.cost)
+    order = [[], [], []]
+    for number, constraint in enumerate(constraints):
+        order[0 if isinstance(constraint, Equal) else 1 if isinstance(constraint, Entrywise) else 2].append(number)
+    left, right, cones = [], [], []
+    for number in (*order[0], *order[1], *order[2]):
+        constraint, tensor = constraints[number], scaled.tensors[number]
+        constant = _shifted(constraint, scaled.constants[number], margin)
+        if isinstance(constraint, Definite):
+            i, j, weight = _triangle(len(constant))
+            left.append(-tensor[i, j] * weight[:, None])
+            right.append(constant[i, j] * weight)
+            cones.append(clarabel.PSDTriangleConeT(len(constant)))
+        else:
+            left.append(-tensor)
+            right.append(constant)
+            cone = clarabel.ZeroConeT if isinstance(constraint, Equal) else clarabel.NonnegativeConeT
+            cones.append(cone(len(constant)))
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_iter = 200
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-11
+    for name, value in SETTINGS[setting].items():
+        setattr(settings, name, value)
+    solver = clarabel.DefaultSolver(
+        sparse.csc_matrix((size, size)),
+        scaled.cost,
+        sparse.csc_matrix(np.vstack(left)),
+        np.concatenate(right),
+        cones,
+        settings,
+    )
+    found = solver.solve()
+    x, z = np.array(found.x), np.array(found.z)
+    multipliers: list[np.ndarray] = [np.zeros(0)] * len(constraints)
+    place = 0
+    for number in (*order[0], *order[1], *order[2]):
+        n = len(scaled.constants[number])
+        if isinstance(constraints[number], Definite):
+            i, j, weight = _triangle(n)
+            part = z[place : place + len(i)] / weight
+            whole = np.zeros((n, n))
+            whole[i, j] = whole[j, i] = part
+            multipliers[number] = whole
+            place += len(i)
+        else:
+            multipliers[number] = z[place : place + n]
+            place += n
+    record = {
+        "solver": setting,
+        "status": str(found.status),
+        "iterations": int(found.iterations),
+        "seconds": float(found.solve_time),
+    }
+    point = x if np.isfinite(x).all() else None
+    return Raw(point, tuple(multipliers), float(found.obj_val), float(found.obj_val_dual), record)
+
+
+def _triangle(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows, columns and weights of the upper triangle, column by column."""
+    j, i = np.tril_indices(n)
+    return i, j, np.where(i == j, 1.0, np.sqrt(2.0))
+
+
+def _cvxpy(scaled: Scaled, constraints: Sequence, margin: float, setting: str) -> Raw:
+    import cvxpy
+
+    x = cvxpy.Variable(len(scaled.cost))
+    stated = []
+    for constraint, constant, tensor in zip(constraints, scaled.constants, scaled.tensors, strict=True):
+        shifted = _shifted(constraint, constant, margin)
+        if isinstance(constraint, Definite):
+            n = len(constant)
+            flat = shifted.ravel() + tensor.reshape(n * n, -1) @ x
+            stated.append(cvxpy.reshape(flat, (n, n), order="C") >> 0)
+        else:
+            entries = shifted + tensor @ x
+            stated.append(entries == 0 if isinstance(constraint, Equal) else entries >= 0)
+    problem = cvxpy.Problem(cvxpy.Minimize(scaled.cost @ x), stated)
+    problem.solve(solver=cvxpy.CLARABEL)
+    # cvxpy's multiplier of an equality has the other sign
+    duals = tuple(
+        np.asarray(c.dual_value) * (-1 if isinstance(of, Equal) else 1)
+        for c, of in zip(stated, constraints, strict=True)
+    )
+    stats = problem.solver_stats
+    record = {
+        "solver": "cvxpy/Clarabel",
+        "status": problem.status,
+        "iterations": stats.num_iters,
+        "seconds": stats.solve_time,
+    }
+    return Raw(x.value, duals, float(problem.value), float("nan"), record)

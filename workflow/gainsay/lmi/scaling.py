@@ -1,0 +1,160 @@
+"""Scaling of a program: sizes of the unknowns, and a congruence of the rows of every block.
+
+In SI units the blocks of an orbital problem spread over ten orders of magnitude, and every solver then returns nonsense
+with a good status. A cone of semidefinite matrices is scaled by its solver with a single number, so the congruence
+has to be part of the program.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gainsay.errors import InputError
+from gainsay.lmi.affine import Variable
+from gainsay.lmi.program import Program
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """Coordinates x = `unknowns` * x'; block j times `rows[j]` from both sides; objective divided by `cost`."""
+
+    unknowns: np.ndarray
+    rows: tuple[np.ndarray, ...]
+    cost: float
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """A scaled program in coordinates: constants and tensors of every constraint, and the objective."""
+
+    cost: np.ndarray
+    constants: tuple[np.ndarray, ...]
+    tensors: tuple[np.ndarray, ...]
+
+
+def apply(program: Program, scaling: Scaling) -> Scaled:
+    """Write the program in scaled coordinates."""
+    constants, tensors = [], []
+    for row, d in zip(program.rows, scaling.rows, strict=True):
+        weight = np.outer(d, d) if row.is_matrix else d**2
+        constants.append(row.constant * weight)
+        tensors.append(row.tensor * weight[..., None] * scaling.unknowns)
+    return Scaled(program.cost * scaling.unknowns / scaling.cost, tuple(constants), tuple(tensors))
+
+
+def first(program: Program) -> Scaling:
+    """Scaling from the stated typical sizes, and for the rest from the coefficients alone.
+
+    The logarithms of the row and unknown scales are fitted so that all coefficients come near one (least squares).
+    """
+    known = {v: _stated(v, program.scale.typical[v.name]) for v in program.variables if v.name in program.scale.typical}
+    return _fit(program, known, None)
+
+
+def from_point(program: Program, x: np.ndarray) -> Scaling:
+    """Scaling from the sizes of a point, even of one that is slightly outside."""
+    known = {}
+    for variable, place in program.places.items():
+        value = np.atleast_2d(variable.matrix(x[place]))
+        if variable.kind == "symmetric":
+            sizes = np.sqrt(np.abs(np.diagonal(value)))
+        elif variable.kind == "full":
+            continue
+        else:
+            sizes = np.abs(np.diagonal(value))
+        sizes = np.maximum(sizes, 1e-9 * sizes.max(initial=0.0))
+        if sizes.min(initial=1.0) > 0:
+            known[variable] = np.log(sizes)
+    extents = [row.extent(x) for row in program.rows]
+    return _fit(program, known, [-np.log(extent) / 2 for extent in extents], abs(program.cost @ x))
+
+
+def _parameters(variable: Variable) -> np.ndarray:
+    """Map from the scale logarithms of rows (and columns) to those of the coordinates."""
+    rows, columns = variable.shape
+    i, j = np.array(variable.index).T
+    k = np.arange(variable.size)
+    if variable.kind == "full":
+        design = np.zeros((variable.size, rows + columns))
+        design[k, i] = 1
+        design[k, rows + j] = 1
+    else:
+        design = np.zeros((variable.size, rows))
+        design[k, i] += 1
+        if variable.kind == "symmetric":
+            np.add.at(design, (k, j), 1)
+    return design
+
+
+def _stated(variable: Variable, typical: Any) -> np.ndarray:
+    rows, columns = variable.shape
+    if variable.kind == "full":
+        pair = typical if isinstance(typical, tuple) else (np.full(rows, float(typical)), np.ones(columns))
+        sizes = np.concatenate([np.asarray(part, dtype=float) for part in pair])
+        expected = rows + columns
+    else:
+        sizes = np.asarray(typical, dtype=float)
+        if sizes.ndim == 0:
+            sizes = np.full(rows, np.sqrt(sizes) if variable.kind == "symmetric" else sizes)
+        expected = rows
+    if sizes.shape != (expected,) or not (sizes > 0).all():
+        raise InputError("typical size", field=variable.name, value=typical, expected=f"{expected} positive numbers")
+    return np.log(sizes)
+
+
+def _fit(program: Program, known: dict, known_rows: list | None, objective: float = 0.0) -> Scaling:
+    designs = {v: _parameters(v) for v in program.variables}
+    starts, total = {}, 0
+    for variable, design in designs.items():
+        starts[variable] = total
+        total += design.shape[1]
+    parameter = np.zeros((program.size, total))
+    for variable, place in program.places.items():
+        parameter[place, starts[variable] : starts[variable] + designs[variable].shape[1]] = designs[variable]
+    row_starts, unknowns = [], total
+    for row in program.rows:
+        row_starts.append(unknowns)
+        unknowns += row.size
+
+    fixed = np.full(unknowns, np.nan)
+    for variable, logs in known.items():
+        fixed[starts[variable] : starts[variable] + len(logs)] = logs
+    if known_rows is not None:
+        fixed[total:] = np.concatenate(known_rows)
+    normal, right = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
+    for row, start in zip(program.rows, row_starts, strict=True):
+        matrix, logs = _equations(row, start, parameter, unknowns)
+        normal += matrix.T @ matrix
+        right -= matrix.T @ logs
+    free = np.isnan(fixed)
+    solution = np.where(free, 0.0, fixed)
+    if free.any():
+        rest = right[free] - normal[np.ix_(free, ~free)] @ fixed[~free]
+        solution[free] = np.linalg.lstsq(normal[np.ix_(free, free)], rest, rcond=1e-9)[0]
+    scales = np.exp(np.clip(parameter @ solution[:total], -300, 300))
+    rows = tuple(
+        np.exp(np.clip(solution[start : start + row.size], -150, 150))
+        for row, start in zip(program.rows, row_starts, strict=True)
+    )
+    cost = objective if objective > 0 else np.abs(program.cost * scales).max(initial=0.0)
+    return Scaling(scales, rows, float(cost) or 1.0)
+
+
+def _equations(row: Any, start: int, parameter: np.ndarray, unknowns: int) -> tuple[np.ndarray, np.ndarray]:
+    """One equation a nonzero coefficient: log|coefficient| + its row scales + its unknown's scale = 0."""
+    if row.is_matrix:
+        i, j = np.nonzero(np.triu(np.abs(row.constant) + np.abs(row.tensor).max(axis=2, initial=0.0)))
+        constants, tensor = row.constant[i, j], row.tensor[i, j]
+    else:
+        i = j = np.arange(row.size)
+        constants, tensor = row.constant, row.tensor
+    e, k = np.nonzero(tensor)
+    own = np.flatnonzero(constants)
+    matrix = np.zeros((len(e) + len(own), unknowns))
+    matrix[: len(e), : parameter.shape[1]] = parameter[k]
+    counter = np.arange(len(matrix))
+    both = np.concatenate([e, own])
+    np.add.at(matrix, (counter, start + i[both]), 1)
+    np.add.at(matrix, (counter, start + j[both]), 1)
+    return matrix, np.log(np.abs(np.concatenate([tensor[e, k], constants[own]])))
