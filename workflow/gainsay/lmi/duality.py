@@ -24,7 +24,7 @@ class Farkas:
     multipliers : dict
         Label of each constraint to its multiplier, in unscaled coordinates, of trace about one altogether.
     value : float
-    """Multipliers Z_j >= 0 whose weighted sum of all blocks is free of unknowns and not positive.
+        Sum of <constant part, Z_j>, scaled coordinates: at most 0 proves that strict inequalities cannot all hold.
     residual : float
         Largest coefficient left before an unknown, relative to the sum of the absolute values it is made of.
     least : float
