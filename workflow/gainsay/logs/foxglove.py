@@ -1,0 +1,149 @@
+"""Layout file for Foxglove-compatible viewers (Lichtblick, Foxglove), made from the same `Layout`."""
+
+import json
+from math import acos, atan2, degrees, hypot
+
+from gainsay.logs.layout import (
+    Columns,
+    EventLog,
+    Item,
+    Layout,
+    Line,
+    Panel,
+    Plot,
+    Rows,
+    Scene,
+    Text,
+    bound_lines,
+    scene_topic,
+)
+from gainsay.logs.palette import role
+from gainsay.logs.reader import Log
+
+
+def foxglove_layout(layout: Layout, log: Log) -> str:
+    """JSON text of the layout, importable in Lichtblick and Foxglove.
+
+    Parameters
+    ----------
+    layout : Layout
+    log : Log
+        A log the layout is for; tells which sides each bound has.
+    """
+    return json.dumps(_Builder(log).build(layout), indent=1, sort_keys=True) + "\n"
+
+
+class _Builder:
+    def __init__(self, log: Log) -> None:
+        self.sides = {name: tuple(sides) for name, sides in log.bounds.items()}
+        self.panels: dict[str, dict] = {}
+
+    def build(self, layout: Layout) -> dict:
+        tabs = [{"title": tab.title, "layout": self.tree(tab.content)} for tab in layout.tabs]
+        top = self.add("Tab", {"activeTabIdx": 0, "tabs": tabs})
+        return {
+            "configById": self.panels,
+            "globalVariables": {},
+            "userNodes": {},
+            "playbackConfig": {"speed": 1},
+            "layout": top,
+        }
+
+    def add(self, kind: str, config: dict) -> str:
+        number = sum(name.startswith(kind + "!") for name in self.panels) + 1
+        name = f"{kind}!{kind.lower()}{number}"
+        self.panels[name] = config
+        return name
+
+    def tree(self, item: Item) -> str | dict:
+        """Panel id, or nested splits of two: the format has no splits of more."""
+        if not isinstance(item, Rows | Columns):
+            return self.panel(item)
+        return self.split("column" if isinstance(item, Rows) else "row", list(item.items), list(item.shares))
+
+    def split(self, direction: str, items: list[Item], shares: list[float]) -> str | dict:
+        if len(items) == 1:
+            return self.tree(items[0])
+        return {
+            "direction": direction,
+            "first": self.tree(items[0]),
+            "second": self.split(direction, items[1:], shares[1:]),
+            "splitPercentage": round(100.0 * shares[0] / sum(shares), 3),
+        }
+
+    def panel(self, panel: Panel) -> str:
+        match panel:
+            case Plot():
+                return self.add("Plot", self.plot(panel))
+            case Scene():
+                return self.add("3D", self.scene(panel))
+            case Text():
+                return self.add(
+                    "Markdown", {"foxglovePanelTitle": panel.title, "fontSize": 14, "markdown": panel.markdown}
+                )
+            case EventLog():
+                return self.add(
+                    "RosOut", {"foxglovePanelTitle": panel.title, "topicToRender": "/events", "searchTerms": []}
+                )
+
+    def plot(self, plot: Plot) -> dict:
+        return {
+            "foxglovePanelTitle": plot.title,
+            "title": plot.title,
+            "paths": [self.path(line) for line in (*plot.lines, *bound_lines(plot, self.sides))],
+            "xAxisVal": "timestamp",
+            "showLegend": True,
+            "legendDisplay": "top",
+            "isSynced": True,
+            "showXAxisLabels": True,
+            "showYAxisLabels": True,
+            "yAxisLabel": plot.unit,
+        }
+
+    @staticmethod
+    def path(line: Line) -> dict:
+        return {
+            "value": f"{line.topic}.{line.field}",
+            "enabled": True,
+            "timestampMethod": "receiveTime",
+            "label": line.label,
+            "color": role(line.role).on_dark,
+            "lineSize": 1.5 * role(line.role).width,
+            "showLine": True,
+        }
+
+    @staticmethod
+    def scene(scene: Scene) -> dict:
+        shown = {
+            f"frame:{frame}": {"visible": True, "axisSize": scene.axis_length} for frame in (scene.frame, *scene.axes)
+        }
+        config = {
+            "foxglovePanelTitle": scene.title,
+            "followTf": scene.follow or scene.frame,
+            "followMode": "follow-pose" if not scene.follow else "follow-position",
+            "scene": {"transforms": {"enablePreloading": True, "axisScale": 1}, "labelScaleFactor": 1},
+            "transforms": shown,
+            "topics": {scene_topic(element): {"visible": True} for element in scene.elements},
+            "layers": {},
+        }
+        if scene.eye is not None:
+            config["cameraState"] = _camera(scene.eye)
+        return config
+
+
+def _camera(eye: tuple[float, float, float]) -> dict:
+    """Camera state for an eye that looks at the origin, z up."""
+    x, y, z = eye
+    distance = hypot(x, y, z)
+    return {
+        "perspective": True,
+        "distance": distance,
+        "phi": degrees(acos(z / distance)),
+        "thetaOffset": degrees(atan2(x, -y)),
+        "targetOffset": [0, 0, 0],
+        "target": [0, 0, 0],
+        "targetOrientation": [0, 0, 0, 1],
+        "fovy": 45,
+        "near": distance / 1000.0,
+        "far": distance * 100.0,
+    }

@@ -1,0 +1,236 @@
+"""What a viewer shows of a run, declared once; the Rerun blueprint and the Foxglove layout are made from it.
+
+A `Layout` is a row of tabs. A tab holds one panel, or panels in `Rows` and `Columns`. Colours come from roles
+(`gainsay.logs.palette`), units from the titles, which end in ``[unit]``.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+from gainsay.errors import InputError
+from gainsay.logs.palette import role as known_role
+from gainsay.logs.schemas import check_name, check_topic
+from gainsay.logs.writer import EVENTS
+
+_UNIT = re.compile(r".*\S \[([^\[\]]+)\]")
+
+
+@dataclass(frozen=True)
+class Line:
+    """One curve of a plot: a field of a topic, its label in the legend and its colour role."""
+
+    topic: str
+    field: str
+    label: str
+    role: str
+
+    def __post_init__(self) -> None:
+        check_topic(self.topic)
+        check_name(self.field, f"field of {self.topic}")
+        known_role(self.role)
+        if not self.label:
+            raise InputError(f"label of {self.topic}.{self.field}", value=self.label, expected="some text")
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A bound of a plot: name of a bound that the run logs with `LogWriter.bound`, and its label."""
+
+    name: str
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Curves over time.
+
+    Attributes
+    ----------
+    title : str
+        Ends in the unit that all its curves have, e.g. ``Thrust [N]``.
+    lines : tuple of Line
+    bounds : tuple of Bound
+    """
+
+    title: str
+    lines: tuple[Line, ...]
+    bounds: tuple[Bound, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lines", tuple(self.lines))
+        object.__setattr__(self, "bounds", tuple(self.bounds))
+        if not self.lines:
+            raise InputError(f"plot {self.title!r}", expected="one line at least")
+        if not _UNIT.fullmatch(self.title):
+            raise InputError("title of a plot", value=self.title, expected="a unit in brackets at its end")
+
+    @property
+    def unit(self) -> str:
+        """Unit named by the title."""
+        return _UNIT.fullmatch(self.title)[1]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A three-dimensional view.
+
+    Attributes
+    ----------
+    title : str
+    frame : str
+        Frame in which everything is shown.
+    elements : tuple of str
+        Names of the scene elements of the log (`LogWriter.line`, `.arrows`, `.body`, `.marker`).
+    axes : tuple of str
+        Frames whose axes are drawn, coloured by the roles of the three axes.
+    axis_length : float
+        Length of these axes, m.
+    follow : str
+        Frame that the camera follows, where one moves far; by default none.
+    eye : tuple of 3 floats, optional
+        Place of the camera in `frame`, m; the viewers choose one by default.
+    """
+
+    title: str
+    frame: str
+    elements: tuple[str, ...] = ()
+    axes: tuple[str, ...] = ()
+    axis_length: float = 1.0
+    follow: str = ""
+    eye: tuple[float, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "elements", tuple(self.elements))
+        object.__setattr__(self, "axes", tuple(self.axes))
+
+
+@dataclass(frozen=True)
+class Text:
+    """A page of Markdown: what is seen, and which claim it bears on."""
+
+    title: str
+    markdown: str
+
+
+@dataclass(frozen=True)
+class EventLog:
+    """The events of the run."""
+
+    title: str = "Events"
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Items below each other; `shares` are their relative heights."""
+
+    items: tuple["Item", ...]
+    shares: tuple[float, ...] = ()
+
+    def __init__(self, *items: "Item", shares: tuple[float, ...] = ()) -> None:
+        _split(self, items, shares)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Items beside each other; `shares` are their relative widths."""
+
+    items: tuple["Item", ...]
+    shares: tuple[float, ...] = ()
+
+    def __init__(self, *items: "Item", shares: tuple[float, ...] = ()) -> None:
+        _split(self, items, shares)
+
+
+def _split(into: Rows | Columns, items: tuple["Item", ...], shares: tuple[float, ...]) -> None:
+    if not items or (shares and len(shares) != len(items)) or any(share <= 0.0 for share in shares):
+        raise InputError("shares of a split", value=shares, expected=f"a positive one for each of {len(items)} items")
+    object.__setattr__(into, "items", tuple(items))
+    object.__setattr__(into, "shares", tuple(shares) or (1.0,) * len(items))
+
+
+Panel: TypeAlias = Plot | Scene | Text | EventLog
+Item: TypeAlias = Panel | Rows | Columns
+
+
+@dataclass(frozen=True)
+class Tab:
+    """One page of a layout.
+
+    Attributes
+    ----------
+    title : str
+    content : Item
+    runs : tuple of str
+        Runs it is shown for; by default all.
+    """
+
+    title: str
+    content: Item
+    runs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Everything a viewer shows.
+
+    Attributes
+    ----------
+    name : str
+        Name of the paper, ``[a-z0-9_]+``; part of the application id in Rerun.
+    tabs : tuple of Tab
+        The first one is open.
+    """
+
+    name: str
+    tabs: tuple[Tab, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "tabs", tuple(self.tabs))
+        if not self.tabs or len({tab.title for tab in self.tabs}) != len(self.tabs):
+            raise InputError(f"tabs of {self.name}", expected="one at least, each title once")
+        if not re.fullmatch("[a-z0-9_]+", self.name):
+            raise InputError("name of a layout", value=self.name, expected="lower-case letters, digits, underscores")
+
+    def for_run(self, run: str) -> "Layout":
+        """Return the layout with the tabs that `run` has."""
+        return replace(self, tabs=tuple(tab for tab in self.tabs if not tab.runs or run in tab.runs))
+
+    def panels(self) -> Iterator[Panel]:
+        """Every panel, in the order of the tabs."""
+        for tab in self.tabs:
+            yield from _panels(tab.content)
+
+
+def _panels(item: Item) -> Iterator[Panel]:
+    if isinstance(item, Rows | Columns):
+        for inner in item.items:
+            yield from _panels(inner)
+    else:
+        yield item
+
+
+def bound_lines(plot: Plot, fields: dict[str, tuple[str, ...]]) -> list[Line]:
+    """Lines of the bounds of a plot.
+
+    Parameters
+    ----------
+    plot : Plot
+    fields : dict
+        Fields (``lower``, ``upper``) that the log has for each bound.
+    """
+    lines = []
+    for bound in plot.bounds:
+        for side in fields.get(bound.name, ("lower", "upper")):
+            label = f"{bound.label or bound.name} ({side})"
+            lines.append(Line(f"/bounds/{bound.name}", side, label, "bound"))
+    return lines
+
+
+def scene_topic(element: str) -> str:
+    """Topic of a scene element."""
+    return f"/scene/{element}"
+
+
+EVENT_TOPIC = EVENTS

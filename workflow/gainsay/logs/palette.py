@@ -1,0 +1,81 @@
+"""Colours by role, the same in every viewer and every figure.
+
+The hues are the colour-blind safe set of Okabe and Ito (2008), ordered so that the three axes stay apart under
+deuteranopia, protanopia and in grey print. A role names what a curve *is*; nobody picks a colour by hand.
+"""
+
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from gainsay.errors import InputError
+
+
+@dataclass(frozen=True)
+class Role:
+    """The look of one role.
+
+    Attributes
+    ----------
+    name : str
+        Name of the role.
+    meaning : str
+        What a curve in this role is.
+    on_light, on_dark : str
+        Colour as ``#rrggbb`` on white paper and on the dark ground of the viewers.
+    dash : str
+        Line style in figures: ``solid``, ``dashed`` or ``dotted`` (viewers draw every line solid).
+    width : float
+        Line width relative to an ordinary curve.
+    """
+
+    name: str
+    meaning: str
+    on_light: str
+    on_dark: str
+    dash: str = "solid"
+    width: float = 1.0
+
+
+_ALL = (
+    Role("axis_1", "first component: x, roll", "#0072b2", "#3d9fe0"),
+    Role("axis_2", "second component: y, pitch", "#d55e00", "#f07f2e"),
+    Role("axis_3", "third component: z, yaw", "#009e73", "#1fc497"),
+    Role("axis_4", "fourth component: scalar part of a quaternion", "#cc79a7", "#e09bc4"),
+    Role("axis_1_estimate", "estimate of the first component", "#7db8dd", "#a9d6f5", "dashed"),
+    Role("axis_2_estimate", "estimate of the second component", "#eeb184", "#f9c9a2", "dashed"),
+    Role("axis_3_estimate", "estimate of the third component", "#7fd0b8", "#a6ebd6", "dashed"),
+    Role("truth", "true state", "#1f1f1f", "#f0f0f0"),
+    Role("estimate", "observer's estimate", "#e69f00", "#ffc23d", "dashed"),
+    Role("magnitude", "Euclidean norm of a vector", "#1f1f1f", "#f0f0f0"),
+    Role("nominal", "nominal plant", "#0072b2", "#3d9fe0"),
+    Role("perturbed", "perturbed plant", "#d55e00", "#f07f2e"),
+    Role("comparison", "the design compared against", "#cc79a7", "#e09bc4"),
+    Role("bound", "a bound that the paper states", "#8c1d18", "#f2554d", "dashed", 0.8),
+    Role("body", "spacecraft body", "#8a8f98", "#a8adb7"),
+    Role("appendage", "flexible appendage", "#33508f", "#6f8fdc"),
+    Role("thrust", "thrust or control torque", "#e69f00", "#ffc23d"),
+    Role("target", "target or origin", "#cc79a7", "#e09bc4"),
+)
+
+ROLES = MappingProxyType({role.name: role for role in _ALL})
+"""Every role by name (read only)."""
+
+
+def role(name: str) -> Role:
+    """Return the role `name`.
+
+    Raises
+    ------
+    InputError
+        There is no such role.
+    """
+    try:
+        return ROLES[name]
+    except KeyError:
+        raise InputError("no such colour role", value=name, expected="one of " + ", ".join(ROLES)) from None
+
+
+def rgb(name: str, *, dark: bool = True) -> tuple[int, int, int]:
+    """Colour of a role as three bytes, on the dark ground of the viewers unless `dark` is false."""
+    text = role(name).on_dark if dark else role(name).on_light
+    return int(text[1:3], 16), int(text[3:5], 16), int(text[5:7], 16)

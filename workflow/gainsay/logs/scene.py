@@ -1,0 +1,190 @@
+"""Elements of a three-dimensional scene, as entities of ``foxglove.SceneUpdate``.
+
+Viewers draw them; nothing is computed from them. Lengths are metres in the frame of the element.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gainsay.errors import InputError
+from gainsay.logs.palette import rgb
+from gainsay.logs.schemas import check_name, foxglove_class
+
+UPDATES = 400
+"""Most updates drawn of a moving element; the exact numbers are in the signals."""
+_SEGMENTS = 12
+_CANTILEVER = (1.8751040687119611, 4.694091132974175, 7.854757438237613, 10.995540734875467)
+
+
+@dataclass(frozen=True)
+class Appendage:
+    """A flexible plate clamped to the body.
+
+    Attributes
+    ----------
+    root, along, normal : tuple of 3 floats
+        Clamped end, m; unit vectors along the plate and in the direction of its deflection.
+    length, width : float
+        m.
+    tip : tuple of floats
+        Deflection drawn at the tip, m, for one unit of each modal coordinate (exaggeration included). The shape drawn
+        for mode j is the j-th clamped-free bending mode: an illustration, since papers give frequencies only.
+    """
+
+    root: tuple[float, float, float]
+    along: tuple[float, float, float]
+    normal: tuple[float, float, float]
+    length: float
+    width: float
+    tip: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Body:
+    """A box with flexible appendages.
+
+    Attributes
+    ----------
+    size : tuple of 3 floats
+        Edges along the axes of the body frame, m.
+    appendages : tuple of Appendage
+    """
+
+    size: tuple[float, float, float]
+    appendages: tuple[Appendage, ...] = ()
+
+
+def chosen(count: int) -> list[int]:
+    """Rows drawn of `count` samples: all, or `UPDATES` of them evenly spread with both ends."""
+    if count <= UPDATES:
+        return list(range(count))
+    return sorted({round(step * (count - 1) / (UPDATES - 1)) for step in range(UPDATES)})
+
+
+def bending_mode(number: int, along: np.ndarray) -> np.ndarray:
+    """Clamped-free bending mode of a uniform beam, scaled to 1 at the tip.
+
+    Parameters
+    ----------
+    number : int
+        Counted from 0; modes above the fourth use the asymptotic wave number.
+    along : (N,) ndarray
+        Place on the beam, 0 at the clamp to 1 at the tip.
+
+    Notes
+    -----
+    Blevins, Formulas for Natural Frequency and Mode Shape (1979), table 8-1.
+    """
+    wave = _CANTILEVER[number] if number < len(_CANTILEVER) else (number + 0.5) * math.pi
+    sigma = (math.sinh(wave) - math.sin(wave)) / (math.cosh(wave) + math.cos(wave))
+
+    def shape(x: np.ndarray | float) -> np.ndarray:
+        return np.cosh(wave * x) - np.cos(wave * x) - sigma * (np.sinh(wave * x) - np.sin(wave * x))
+
+    return shape(along) / shape(1.0)
+
+
+def _entity(frame: str) -> Any:
+    return foxglove_class("SceneEntity")(frame_id=check_name(frame, "frame"), frame_locked=True)
+
+
+def _colour(into: Any, role: str, alpha: float = 1.0) -> None:
+    into.r, into.g, into.b = (level / 255.0 for level in rgb(role))
+    into.a = alpha
+
+
+def _vector(into: Any, values: Any) -> None:
+    into.x, into.y, into.z = (float(value) for value in values)
+
+
+def _finite(values: object, shape: tuple[int | None, ...], what: str) -> np.ndarray:
+    array = np.asarray(values, dtype=float)
+    fits = array.ndim == len(shape) and all(w in (None, h) for w, h in zip(shape, array.shape, strict=True))
+    if not fits or not np.isfinite(array).all():
+        raise InputError(f"{what} of shape", value=array.shape, expected=f"finite, of shape {shape}")
+    return array
+
+
+def line(frame: str, points: object, role: str, width: float) -> Any:
+    """Entity of a curve, `width` in pixels."""
+    made = _entity(frame)
+    strip = made.lines.add(thickness=width, scale_invariant=True)
+    strip.pose.orientation.w = 1.0
+    point = foxglove_class("Point3")
+    strip.points.extend(point(x=x, y=y, z=z) for x, y, z in _finite(points, (None, 3), "points").tolist())
+    _colour(strip.color, role)
+    return made
+
+
+def marker(frame: str, position: object, size: float, role: str, label: str) -> Any:
+    """Entity of a ball and its label."""
+    made = _entity(frame)
+    place = _finite(position, (3,), "position")
+    ball = made.spheres.add()
+    _vector(ball.pose.position, place)
+    ball.pose.orientation.w = 1.0
+    _vector(ball.size, [size] * 3)
+    _colour(ball.color, role)
+    if label:
+        text = made.texts.add(billboard=True, font_size=14.0, scale_invariant=True, text=label)
+        _vector(text.pose.position, place + np.array([0.0, 0.0, size]))
+        text.pose.orientation.w = 1.0
+        _colour(text.color, role)
+    return made
+
+
+def arrow(frame: str, origin: object, vector: np.ndarray, role: str) -> Any:
+    """Entity of one arrow; a vector of length zero draws none."""
+    made = _entity(frame)
+    vector = _finite(vector, (3,), "vector")
+    length = float(np.linalg.norm(vector))
+    if length > 0.0:
+        drawn = made.arrows.add(
+            shaft_length=0.8 * length,
+            shaft_diameter=0.05 * length,
+            head_length=0.2 * length,
+            head_diameter=0.12 * length,
+        )
+        _vector(drawn.pose.position, _finite(origin, (3,), "origin"))
+        # Shortest rotation of the x axis onto the vector; half a turn about z where they are opposite.
+        x, y, z = vector / length
+        quaternion = np.array([0.0, -z, y, 1.0 + x]) if x > -1.0 + 1e-12 else np.array([0.0, 0.0, 1.0, 0.0])
+        quaternion /= np.linalg.norm(quaternion)
+        turn = drawn.pose.orientation
+        turn.x, turn.y, turn.z, turn.w = (float(value) for value in quaternion)
+        _colour(drawn.color, role)
+    return made
+
+
+def plate(appendage: Appendage, modal: np.ndarray) -> np.ndarray:
+    """Corners (72, 3) of the triangles of a plate deflected by its modal coordinates, m."""
+    root, along, normal = (np.asarray(v, dtype=float) for v in (appendage.root, appendage.along, appendage.normal))
+    across = np.cross(normal, along) * (0.5 * appendage.width)
+    place = np.linspace(0.0, 1.0, _SEGMENTS + 1)
+    rise = np.zeros_like(place)
+    for number, tip in enumerate(appendage.tip):
+        rise += tip * modal[number] * bending_mode(number, place)
+    spine = root + appendage.length * place[:, None] * along + rise[:, None] * normal
+    left, right = spine + across, spine - across
+    corners = [(left[i], right[i], left[i + 1], left[i + 1], right[i], right[i + 1]) for i in range(_SEGMENTS)]
+    return np.array(corners).reshape(-1, 3)
+
+
+def body(frame: str, shape: Body, modal: np.ndarray) -> Any:
+    """Entity of a box with deflected plates."""
+    made = _entity(frame)
+    box = made.cubes.add()
+    box.pose.orientation.w = 1.0
+    _vector(box.size, _finite(shape.size, (3,), "size"))
+    _colour(box.color, "body")
+    point = foxglove_class("Point3")
+    for appendage in shape.appendages:
+        mesh = made.triangles.add()
+        mesh.pose.orientation.w = 1.0
+        corners = _finite(plate(appendage, modal), (None, 3), "plate")
+        mesh.points.extend(point(x=x, y=y, z=z) for x, y, z in corners.tolist())
+        _colour(mesh.color, "appendage")
+    return made

@@ -1,0 +1,381 @@
+"""Writing the log of one run."""
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from gainsay.errors import InputError
+from gainsay.logs import scene, schemas
+from gainsay.logs.container import Container
+
+PROVENANCE = "gainsay.provenance"
+EVENTS, TRANSFORMS = "/events", "/tf"
+LEVELS = ("unknown", "debug", "info", "warning", "error", "fatal")
+LAST_TIME = 9.2e9  # seconds; nanoseconds must fit into 63 bits
+_MEDIA = {".csv": "text/csv", ".toml": "application/toml", ".json": "application/json", ".md": "text/markdown"}
+_ROWS = 1 << 16  # rows encoded at once, which bounds the memory of a call
+
+
+def nanoseconds(time: np.ndarray) -> np.ndarray:
+    """Log time of each time in seconds: round(t 1e9) as unsigned integers."""
+    return np.rint(np.asarray(time, dtype=float) * 1e9).astype(np.uint64)
+
+
+def _varint5(values: np.ndarray) -> np.ndarray:
+    """Encode integers below 2**35 as protobuf varints padded to five bytes, so that all are equally long."""
+    shifted = values.astype(np.uint64)[:, None] >> np.arange(0, 35, 7, dtype=np.uint64)
+    return (shifted & np.uint64(0x7F)).astype(np.uint8) | np.array([0x80] * 4 + [0], dtype=np.uint8)
+
+
+class LogWriter:
+    """Writes one run as an MCAP file; a context manager.
+
+    The file appears under its name when the block ends well; on any exception it is removed. Equal calls give equal
+    bytes. Every message is logged and published at round(t 1e9) nanoseconds from the simulation's zero.
+
+    Parameters
+    ----------
+    path : Path
+        The ``.mcap`` file to write.
+    provenance : mapping
+        Where the run comes from; values other than text are written as JSON. No wall clock, host or path belongs here.
+    attachments : mapping of str to bytes, optional
+        Files to carry along, e.g. the parameter table.
+    chunk_size : int, optional
+        Bytes of records in a chunk before compression.
+
+    Raises
+    ------
+    InputError
+        A topic, name, unit, time or shape is not as it should be.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        *,
+        provenance: Mapping[str, object],
+        attachments: Mapping[str, bytes] | None = None,
+        chunk_size: int = 1 << 20,
+    ) -> None:
+        self.path = Path(path)
+        self._part = self.path.with_name(f".{self.path.name}.part")
+        self._provenance = {
+            key: value if isinstance(value, str) else json.dumps(value, sort_keys=True)
+            for key, value in provenance.items()
+        }
+        self._attachments = dict(attachments or {})
+        self._chunk_size = chunk_size
+        self._topics: dict[str, tuple[int, str, dict[str, str]]] = {}
+        self._schema_ids: dict[str, int] = {}
+        self._last: dict[str, float] = {}
+        self._end = 0.0
+        self._bounds: dict[str, tuple[dict[str, str], list[float]]] = {}
+        self._summaries: dict[str, tuple[float, str]] = {}
+        self._out: Container | None = None
+
+    def __enter__(self) -> Self:
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self._stream = self._part.open("wb")
+        try:
+            self._out = Container(self._stream, chunk_size=self._chunk_size)
+            self._out.metadata(PROVENANCE, self._provenance)
+            for name, data in self._attachments.items():
+                self._out.attachment(name, _MEDIA.get(Path(name).suffix, "application/octet-stream"), data)
+        except BaseException:
+            self._discard()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is not None:
+            self._discard()
+            return
+        try:
+            for name, (units, values) in self._bounds.items():
+                self._numbers(f"/bounds/{name}", units, "bound", [self._end], [values])
+            for name, (value, unit) in self._summaries.items():
+                self._numbers(f"/summary/{name}", {"value": unit}, "summary", [self._end], [[value]])
+            self._out.finish()
+            self._stream.close()
+            self._part.replace(self.path)
+        except BaseException:
+            self._discard()
+            raise
+        finally:
+            self._out = None
+
+    def _discard(self) -> None:
+        self._out = None
+        self._stream.close()
+        self._part.unlink(missing_ok=True)
+
+    def _channel(self, topic: str, kind: str, units: Mapping[str, str] | None, message: str | None = None) -> int:
+        """Channel of a topic, registered at first use and checked against that use afterwards."""
+        if self._out is None:
+            raise InputError("log is not open for writing", file=self.path.name)
+        known = self._topics.get(topic)
+        units = dict(units or {})
+        if known is not None:
+            if known[1:] != (kind, units):
+                raise InputError(f"topic {topic} again as", value=(kind, units), expected=f"as before: {known[1:]}")
+            return known[0]
+        schemas.check_topic(topic)
+        for field, unit in units.items():
+            if schemas.check_name(field, f"field of {topic}") == "time":
+                raise InputError(f"field of {topic}", value=field, expected="another name: time is there already")
+            if not isinstance(unit, str) or not unit:
+                raise InputError(f"unit of {topic}.{field}", value=unit, expected="a unit; 1 where there is none")
+        name, data = schemas.foxglove_schema(message) if message else schemas.signal_schema(topic, tuple(units))
+        key = message or topic
+        if key not in self._schema_ids:
+            self._schema_ids[key] = self._out.schema(name, data)
+        metadata = {"kind": kind}
+        if not message:
+            metadata |= {"unit.time": "s"} | {f"unit.{field}": unit for field, unit in units.items()}
+        made = self._out.channel(topic, self._schema_ids[key], metadata)
+        self._topics[topic] = (made, kind, units)
+        return made
+
+    def _times(self, topic: str, time: object) -> np.ndarray:
+        array = np.asarray(time, dtype=float)
+        if array.ndim != 1:
+            raise InputError(f"time of {topic} has shape", value=array.shape, expected="(N,)")
+        bad = ~((array >= 0.0) & (array < LAST_TIME))
+        if bad.any():
+            raise InputError(
+                f"time of {topic}", row=int(bad.argmax()), value=float(array[bad][0]), expected="0 <= t < 9.2e9 s"
+            )
+        if len(array):
+            back = np.flatnonzero(np.diff(array, prepend=self._last.get(topic, 0.0)) < 0.0)
+            if len(back):
+                raise InputError(f"time of {topic} runs back to", value=float(array[back[0]]), expected="no decrease")
+            self._last[topic] = float(array[-1])
+            self._end = max(self._end, float(array[-1]))
+        return array
+
+    def _numbers(self, topic: str, units: Mapping[str, str], kind: str, time: object, values: object) -> None:
+        channel = self._channel(topic, kind, units)
+        data = np.asarray(values, dtype=float)
+        if data.ndim != 2 or data.shape != (np.shape(time)[0] if np.ndim(time) else -1, len(units)):
+            expected = f"(N, {len(units)}) for time of shape {np.shape(time)}"
+            raise InputError(f"values of {topic} have shape", value=data.shape, expected=expected)
+        clock = self._times(topic, time)
+        dtype, constants = schemas.signal_record(data.shape[1] + 1)
+        for start in range(0, len(clock), _ROWS):
+            some = slice(start, start + _ROWS)
+            block = np.empty(len(clock[some]), dtype=dtype)
+            for name, value in constants:
+                block[name] = value
+            block["log_time"] = block["publish_time"] = nanoseconds(clock[some])
+            block["v1"] = clock[some]
+            for column in range(data.shape[1]):
+                block[f"v{column + 2}"] = data[some, column]
+            self._out.records(channel, block)
+
+    def signal(self, topic: str, fields: Mapping[str, str], time: object, values: object) -> None:
+        """Log a block of samples; consecutive blocks of one topic may follow each other.
+
+        Parameters
+        ----------
+        topic : str
+            ``/chaser/state`` and the like.
+        fields : mapping of str to str
+            Unit of each component, in the order of the columns.
+        time : (N,) array_like
+            Seconds from the simulation's zero, not decreasing.
+        values : (N, k) array_like
+            One column for each component; every double comes back bit for bit.
+        """
+        self._numbers(topic, fields, "signal", time, values)
+
+    def event(self, time: float, name: str, text: str, level: str = "info") -> None:
+        """Log an event for the text log of the viewers (``foxglove.Log``); its time is kept to the nanosecond."""
+        if level not in LEVELS:
+            raise InputError("level of an event", value=level, expected="one of " + ", ".join(LEVELS))
+        channel = self._channel(EVENTS, "events", None, "Log")
+        time_ns = self._moment(f"event {name}", time)
+        message = schemas.foxglove_class("Log")(level=LEVELS.index(level), message=text, name=name)
+        message.timestamp.seconds, message.timestamp.nanos = divmod(time_ns, 10**9)
+        self._out.message(channel, time_ns, message.SerializeToString(deterministic=True))
+
+    def _moment(self, what: str, time: float) -> int:
+        if not 0.0 <= time < LAST_TIME:
+            raise InputError(f"time of {what}", value=time, expected="0 <= t < 9.2e9 s")
+        self._end = max(self._end, float(time))
+        return int(nanoseconds(np.array([time]))[0])
+
+    def extreme(self, name: str, time: float, value: float, unit: str) -> None:
+        """Log a located extreme: exact doubles on ``/extremes/<name>`` and an event that tells of it."""
+        topic = f"/extremes/{name}"
+        if topic in self._topics:
+            raise InputError("extreme logged twice", value=name, expected="each once")
+        self._numbers(topic, {"value": unit}, "extreme", [float(time)], [[float(value)]])
+        self.event(time, name, f"extreme {name}: {value:.6g} {unit} at {time:.6g} s")
+
+    def summary(self, name: str, value: float, unit: str) -> None:
+        """Log a number known only at the end, on ``/summary/<name>`` at the last time of the log."""
+        schemas.check_name(name, "summary")
+        if name in self._summaries:
+            raise InputError("summary logged twice", value=name, expected="each once")
+        self._summaries[name] = (float(value), unit)
+
+    def bound(self, name: str, unit: str, *, lower: float | None = None, upper: float | None = None) -> None:
+        """Log a bound as constants ``lower`` and ``upper`` on ``/bounds/<name>``, from 0 to the end of the log."""
+        found = {key: value for key, value in (("lower", lower), ("upper", upper)) if value is not None}
+        if not found or not all(math.isfinite(value) for value in found.values()):
+            raise InputError(f"bound {name}", value=found, expected="a finite lower or upper value, or both")
+        if name in self._bounds:
+            raise InputError("bound logged twice", value=name, expected="each once")
+        units, values = dict.fromkeys(found, unit), [float(value) for value in found.values()]
+        self._numbers(f"/bounds/{name}", units, "bound", [0.0], [values])
+        self._bounds[name] = (units, values)
+
+    def transform(
+        self, parent: str, child: str, time: object, translation: object, rotation: object | None = None
+    ) -> None:
+        """Relate two frames over time, as ``foxglove.FrameTransforms`` on ``/tf``.
+
+        Parameters
+        ----------
+        parent, child : str
+            Names of the frames.
+        time : (N,) array_like
+            Seconds; one sample is enough for frames at rest.
+        translation : (N, 3) array_like
+            Origin of the child in the parent, m.
+        rotation : (N, 4) array_like, optional
+            Unit quaternion x, y, z, w that takes child components to parent components; identity by default.
+        """
+        channel = self._channel(TRANSFORMS, "transforms", None, "FrameTransforms")
+        for frame in (parent, child):
+            schemas.check_name(frame, "frame")
+        key = f"{TRANSFORMS} {parent} {child}"
+        clock = self._times(key, time)
+        count = len(clock)
+        shift = np.asarray(translation, dtype=float)
+        turn = np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)) if rotation is None else np.asarray(rotation, dtype=float)
+        if shift.shape != (count, 3) or turn.shape != (count, 4):
+            raise InputError(f"{key}: shapes", value=(shift.shape, turn.shape), expected=f"({count}, 3), ({count}, 4)")
+        if not (np.isfinite(shift).all() and (abs(np.linalg.norm(turn, axis=1) - 1.0) < 1e-6).all()):
+            raise InputError(key, expected="finite translations and unit quaternions")
+        moments = nanoseconds(clock)
+        names = b"".join(
+            bytes([tag, len(text)]) + text for tag, text in ((0x12, parent.encode()), (0x1A, child.encode()))
+        )
+        inner = 2 + 12 + len(names) + 2 + 27 + 2 + 36
+        if len(parent) > 60 or len(child) > 60:
+            raise InputError(key, expected="frame names of at most 60 letters")
+        length = bytes([inner]) if inner < 128 else bytes([inner & 0x7F | 0x80, inner >> 7])
+        # The bytes of FrameTransforms in wire order; strings are constants, times padded varints, numbers 64 bit.
+        parts: list[tuple[str, object, object]] = [
+            ("opcode", "u1", 5),
+            ("length", "<u8", 22 + 1 + len(length) + inner),
+            ("channel", "<u2", 0),
+            ("sequence", "<u4", 0),
+            ("log_time", "<u8", moments),
+            ("publish_time", "<u8", moments),
+            ("open", f"V{3 + len(length) + 1}", np.void(b"\x0a" + length + b"\x0a\x0c\x08")),
+            ("seconds", ("u1", 5), _varint5(moments // np.uint64(10**9))),
+            ("tag", "u1", 0x10),
+            ("nanos", ("u1", 5), _varint5(moments % np.uint64(10**9))),
+            ("names", f"V{len(names)}", np.void(names)),
+            ("moved", "V2", np.void(b"\x22\x1b")),
+        ]
+        for axis in range(3):
+            parts += [(f"s{axis}", "u1", axis + 1 << 3 | 1), (f"x{axis}", "<f8", shift[:, axis])]
+        parts.append(("turned", "V2", np.void(b"\x2a\x24")))
+        for axis in range(4):
+            parts += [(f"q{axis}", "u1", axis + 1 << 3 | 1), (f"r{axis}", "<f8", turn[:, axis])]
+        block = np.empty(
+            count, dtype=np.dtype([(name, *(kind if isinstance(kind, tuple) else (kind,))) for name, kind, _ in parts])
+        )
+        for name, _, value in parts:
+            block[name] = value
+        self._out.records(channel, block)
+
+    def _scene(self, name: str, time: float, entity: object) -> None:
+        """Write one entity as a ``foxglove.SceneUpdate`` on ``/scene/<name>``."""
+        schemas.check_name(name, "scene element")
+        channel = self._channel(f"/scene/{name}", "scene", None, "SceneUpdate")
+        time_ns = self._moment(f"scene element {name}", time)
+        entity.id = name
+        entity.timestamp.seconds, entity.timestamp.nanos = divmod(time_ns, 10**9)
+        update = schemas.foxglove_class("SceneUpdate")(entities=[entity])
+        self._out.message(channel, time_ns, update.SerializeToString(deterministic=True))
+
+    def line(self, name: str, frame: str, points: object, role: str, *, time: float = 0.0, width: float = 2.0) -> None:
+        """Draw a curve through `points` (N, 3), m, in `frame` from `time` on; `width` in pixels."""
+        self._scene(name, time, scene.line(frame, points, role, width))
+
+    def marker(self, name: str, frame: str, position: object, size: float, role: str, *, label: str = "") -> None:
+        """Draw a ball of diameter `size`, m, at `position` (3,) of `frame`, with a label."""
+        self._scene(name, 0.0, scene.marker(frame, position, size, role, label))
+
+    def arrows(
+        self,
+        name: str,
+        frame: str,
+        time: object,
+        vectors: object,
+        scale: float,
+        role: str,
+        *,
+        origin: object = (0, 0, 0),
+    ) -> None:
+        """Draw a vector over time, at most `scene.UPDATES` of the samples evenly chosen.
+
+        Parameters
+        ----------
+        name, frame : str
+            Name of the element; frame of its components.
+        time : (N,) array_like
+            Seconds.
+        vectors : (N, 3) array_like
+            Thrust, torque or the like.
+        scale : float
+            Metres drawn for one unit of the vector.
+        role : str
+            Colour role.
+        origin : (3,) array_like
+            Foot of the arrow in `frame`, m.
+        """
+        clock = self._times(f"/scene/{name}", time)
+        arrows = np.asarray(vectors, dtype=float)
+        if arrows.shape != (len(clock), 3):
+            raise InputError(f"vectors of {name} have shape", value=arrows.shape, expected=f"({len(clock)}, 3)")
+        for row in scene.chosen(len(clock)):
+            self._scene(name, clock[row], scene.arrow(frame, origin, arrows[row] * scale, role))
+
+    def body(
+        self, name: str, frame: str, body: "scene.Body", time: object = (0.0,), modal: object | None = None
+    ) -> None:
+        """Draw a spacecraft body in its own `frame`, its appendages deflected by modal coordinates.
+
+        Parameters
+        ----------
+        name, frame : str
+            Name of the element; the body frame, which `transform` moves.
+        body : Body
+            Box and appendages.
+        time : (N,) array_like
+            Seconds.
+        modal : (N, m) array_like, optional
+            Modal coordinates over time; zero by default. At most `scene.UPDATES` of the samples are drawn.
+        """
+        clock = self._times(f"/scene/{name}", time)
+        modes = max((len(appendage.tip) for appendage in body.appendages), default=0)
+        shapes = np.zeros((len(clock), modes)) if modal is None else np.asarray(modal, dtype=float)
+        if shapes.ndim != 2 or len(shapes) != len(clock) or shapes.shape[1] < modes:
+            raise InputError(
+                f"modal coordinates of {name} have shape", value=shapes.shape, expected=f"({len(clock)}, {modes})"
+            )
+        for row in scene.chosen(len(clock)):
+            self._scene(name, clock[row], scene.body(frame, body, shapes[row]))
