@@ -1,4 +1,4 @@
-"""What a step writes: quantities, certificates, designs, gains, scans, failures; each file written whole or not at all."""
+"""What a step writes: quantities, certificates, designs, gains, scans and failures, each file whole or not at all."""
 
 import json
 import math
@@ -6,7 +6,6 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,8 @@ GAIN_COLUMNS = (
 FAILURE_COLUMNS = ("step", "where", "task", "message")
 #: the tables of a step's results that are joined over all steps of a paper
 PARTS = {"quantities": QUANTITY_COLUMNS, "gains": GAIN_COLUMNS, "failures": FAILURE_COLUMNS}
-STEPS = ("synthesis", "audit", "simulation")
+#: steps that keep records, in the order of the workflow
+STEPS = ("synthesis", "audit", "simulation", "figures", "views")
 
 TaskFunction = Callable[[Case, "Results"], None]
 
@@ -38,16 +38,6 @@ def task(where: str) -> Callable[[TaskFunction], TaskFunction]:
         return function
 
     return mark
-
-
-@dataclass(frozen=True)
-class Measured:
-    """A value measured from a log, with its numerical enclosure where a second method gives one."""
-
-    value: float
-    method: str
-    lower: float | None = None
-    upper: float | None = None
 
 
 class Results:
@@ -129,8 +119,8 @@ class Results:
         ends = [None if x is None else float(x) for x in (lower, upper)]
         self._rows["quantities"].append((quantity, float(value), declared.unit, *ends, method, source))
 
-    def measured(self, measures: Mapping[str, Measured], source: str) -> None:
-        """Add quantities measured from a log."""
+    def measured(self, measures: Mapping[str, Any], source: str) -> None:
+        """Add quantities measured from a log: id -> value, method, lower and upper."""
         for quantity, found in measures.items():
             self.quantity(
                 quantity, found.value, method=found.method, source=source, lower=found.lower, upper=found.upper

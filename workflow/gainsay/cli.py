@@ -1,0 +1,130 @@
+"""The command `gainsay`: lint, check, record, docs, proof, logs, view, replay, gallery."""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from gainsay import __version__
+from gainsay.errors import GainsayError, InputError
+from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, refuse
+from gainsay.tables import find_root, paper_names, read_case
+
+EXIT_CODES = "exit codes: 0 clean, 1 differences, 2 bad input, 3 not checked"
+
+
+def _papers(root: Path, names: Sequence[str]) -> list[str]:
+    return list(names) or paper_names(root)
+
+
+def lint(options: argparse.Namespace) -> int:
+    """Read and validate every table of every paper."""
+    for paper in _papers(options.root, options.papers):
+        case = read_case(options.root, paper)
+        print(f"{paper}  tables     {len(case.parameters)} parameters, {len(case.claims)} claims, "
+              f"{len(case.errata)} errata, {len(case.not_checked)} not checked: well-formed")  # fmt: skip
+    return CLEAN
+
+
+def check(options: argparse.Namespace) -> int:
+    """Say what differs between the results and what is on record."""
+    from gainsay.steps.check import write_differences
+
+    found = write_differences(options.root, _papers(options.root, options.papers))
+    for paper, what, item, expected, value, note in found:
+        print(f"{paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}; {note}")
+    if found:
+        print(f"{len(found)} differences, see results/differences.csv")
+        return DIFFERENCES
+    print("clean: every verdict, quantity, certificate and file is as on record")
+    return CLEAN
+
+
+def record(options: argparse.Namespace) -> int:
+    """Put today's values on record and show what changed."""
+    from gainsay.verdicts.record import record_paper
+
+    for paper in _papers(options.root, options.papers):
+        for line in record_paper(read_case(options.root, paper)):
+            print(f"{paper}  {line}")
+    return CLEAN
+
+
+def docs(options: argparse.Namespace) -> int:
+    """Write the documentation that is generated from the models, or say whether it is stale."""
+    from gainsay.tables.docs import documents
+    from gainsay.tables.files import write_atomically
+
+    stale = []
+    for file, text in documents().items():
+        path = options.root / file
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            stale.append(file)
+            if not options.check:
+                write_atomically(path, text)
+    for file in stale:
+        print(f"{file}: {'stale, run `make docs`' if options.check else 'written'}")
+    return DIFFERENCES if stale and options.check else CLEAN
+
+
+def prove(options: argparse.Namespace) -> int:
+    """Check certificates again and say what each proves and what stays on faith."""
+    from gainsay.proof import check_file
+
+    refused = 0
+    for path in options.certificates:
+        try:
+            proof = check_file(path.resolve(), options.root)
+        except InputError:
+            raise
+        except GainsayError as error:
+            print(f"{path}: REFUSED: {error}")
+            refused += 1
+            continue
+        print(f"{path}: proved by {proof.theorem}: {proof.statement}")
+        print(f"  on faith: {proof.faith}")
+    return DIFFERENCES if refused else CLEAN
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="gainsay",
+        description="Recompute what a control paper prints and says, claim by claim, whether it holds.",
+        epilog=EXIT_CODES + ". To compute everything: snakemake --cores 2.",
+    )
+    parser.add_argument("--version", action="version", version=f"gainsay {__version__}")
+    parser.add_argument("--root", type=Path, help="project root; default: the project around the current folder")
+    commands = parser.add_subparsers(required=True, metavar="command")
+
+    def add(name: str, work: Callable[[argparse.Namespace], int]) -> argparse.ArgumentParser:
+        about = (work.__doc__ or "").splitlines()[0]
+        command = commands.add_parser(name, help=about, description=about, epilog=EXIT_CODES)
+        command.set_defaults(work=work)
+        return command
+
+    for name, work in (("lint", lint), ("check", check), ("record", record)):
+        add(name, work).add_argument("papers", nargs="*", help="folder names below papers/; default: all")
+    add("docs", docs).add_argument("--check", action="store_true", help="only say whether they are stale")
+    add("prove", prove).add_argument("certificates", nargs="+", type=Path, help="results/<paper>/certificates/*.json")
+    _add_log_commands(add)
+    return parser
+
+
+def _add_log_commands(add: Callable[..., argparse.ArgumentParser]) -> None:
+    """Add the commands that work on logs."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command and return its exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        options.root = find_root(options.root)
+        return options.work(options)
+    except InputError as error:
+        return refuse(error)
+    except BrokenPipeError:
+        return BAD_INPUT
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Equations of motion shared by papers: relative orbits, attitude, flexible modes, disturbances."""

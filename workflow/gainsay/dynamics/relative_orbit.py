@@ -1,0 +1,147 @@
+"""Relative motion of two spacecraft in the target's rotating LVLH frame.
+
+Frame: x along the radius from the Earth's centre to the target, z along the orbit's angular momentum, y completing the
+right-handed triad (about along the velocity). The target moves on an unperturbed Kepler orbit.
+
+References
+----------
+.. [1] W. H. Clohessy, R. S. Wiltshire, "Terminal guidance system for satellite rendezvous", J. Aerospace Sciences
+   27(9), 653-658, 1960.
+.. [2] R. H. Battin, "An Introduction to the Mathematics and Methods of Astrodynamics", AIAA, 1999, section 8.7 (the
+   differential gravity of close orbits without cancellation).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+
+def mean_motion(gravitational_parameter: float, semi_major_axis: float) -> float:
+    """Return the mean motion sqrt(mu / a^3), rad/s."""
+    return math.sqrt(gravitational_parameter / semi_major_axis**3)
+
+
+def clohessy_wiltshire(rate: float) -> np.ndarray:
+    """Return the 6x6 state matrix of linearised relative motion about a circular orbit [1]_.
+
+    Parameters
+    ----------
+    rate : float
+        Mean motion of the target, rad/s. States are position (m) and velocity (m/s) in LVLH.
+    """
+    A = np.zeros((6, 6))
+    A[:3, 3:] = np.eye(3)
+    A[3, 0], A[3, 4] = 3 * rate**2, 2 * rate
+    A[4, 3] = -2 * rate
+    A[5, 2] = -(rate**2)
+    return A
+
+
+def thrust_input(mass: float) -> np.ndarray:
+    """Return the 6x3 input matrix of a force (N) along the LVLH axes on a mass (kg)."""
+    return np.vstack([np.zeros((3, 3)), np.eye(3) / mass])
+
+
+@dataclass(frozen=True)
+class KeplerOrbit:
+    """An elliptic orbit, described by its true anomaly.
+
+    Attributes
+    ----------
+    gravitational_parameter : float
+        m^3/s^2.
+    semi_major_axis : float
+        m.
+    eccentricity : float
+    """
+
+    gravitational_parameter: float
+    semi_major_axis: float
+    eccentricity: float
+
+    @property
+    def mean_motion(self) -> float:
+        """Mean motion, rad/s."""
+        return mean_motion(self.gravitational_parameter, self.semi_major_axis)
+
+    @property
+    def semi_latus_rectum(self) -> float:
+        """Semi-latus rectum a (1 - e^2), m."""
+        return self.semi_major_axis * (1 - self.eccentricity**2)
+
+    @property
+    def angular_momentum(self) -> float:
+        """Specific angular momentum, m^2/s."""
+        return math.sqrt(self.gravitational_parameter * self.semi_latus_rectum)
+
+    def radius(self, true_anomaly: float) -> float:
+        """Distance from the Earth's centre, m."""
+        return self.semi_latus_rectum / (1 + self.eccentricity * math.cos(true_anomaly))
+
+    def frame_motion(self, true_anomaly: float) -> tuple[float, float, float]:
+        """Return radius (m), angular rate (rad/s) and angular acceleration (rad/s^2) of the LVLH frame."""
+        e, h, p = self.eccentricity, self.angular_momentum, self.semi_latus_rectum
+        radius = self.radius(true_anomaly)
+        rate = h / radius**2
+        radial_speed = h / p * e * math.sin(true_anomaly)
+        return radius, rate, -2 * radial_speed * rate / radius
+
+    def inertial_state(self, true_anomaly: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return position (3,) m and velocity (3,) m/s in the perifocal inertial frame."""
+        e, h, p = self.eccentricity, self.angular_momentum, self.semi_latus_rectum
+        direction = np.array([math.cos(true_anomaly), math.sin(true_anomaly), 0.0])
+        velocity = h / p * np.array([-math.sin(true_anomaly), e + math.cos(true_anomaly), 0.0])
+        return self.radius(true_anomaly) * direction, velocity
+
+
+def differential_gravity(
+    gravitational_parameter: float, radius: float, x: float, y: float, z: float
+) -> tuple[float, float, float]:
+    """Return the gravity of the chaser minus that of the target, m/s^2, without cancellation [2]_.
+
+    Parameters
+    ----------
+    gravitational_parameter : float
+        m^3/s^2.
+    radius : float
+        Distance of the target from the Earth's centre, m.
+    x, y, z : float
+        Position of the chaser in LVLH, m.
+
+    Notes
+    -----
+    With q = (d . (d + 2 r)) / r^2 and f(q) = (1 + q)^(3/2) - 1 = q (3 + 3 q + q^2) / (1 + (1 + q)^(3/2)) the difference is
+    -mu / (r^3 (1 + f)) (d + f-free part): -mu/rc^3 d - mu (1/rc^3 - 1/r^3) r.
+    """
+    q = (x * (x + 2 * radius) + y * y + z * z) / radius**2
+    cube = (1 + q) * math.sqrt(1 + q)
+    f = q * (3 + 3 * q + q * q) / (1 + cube)
+    factor = -gravitational_parameter / (radius**3 * cube)
+    # mu/r^2 - mu r/rc^3 = mu/r^2 (1 - 1/cube) = mu/r^2 f/cube
+    return factor * (x - f * radius), factor * y, factor * z
+
+
+def relative_acceleration(
+    orbit: KeplerOrbit, true_anomaly: float, position: tuple[float, float, float], velocity: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Return the free relative acceleration in the rotating LVLH frame, m/s^2.
+
+    Parameters
+    ----------
+    orbit : KeplerOrbit
+        Orbit of the target.
+    true_anomaly : float
+        Of the target, rad.
+    position, velocity : tuple of 3 floats
+        Of the chaser relative to the target, in the rotating frame, m and m/s.
+    """
+    x, y, z = position
+    vx, vy, _ = velocity
+    radius, rate, spin = orbit.frame_motion(true_anomaly)
+    gx, gy, gz = differential_gravity(orbit.gravitational_parameter, radius, x, y, z)
+    return (
+        gx + rate * rate * x + 2 * rate * vy + spin * y,
+        gy + rate * rate * y - 2 * rate * vx - spin * x,
+        gz,
+    )

@@ -1,0 +1,1 @@
+"""Integration of ordinary, periodic and delay differential equations."""

@@ -1,0 +1,35 @@
+"""Draw the figures of a paper from its logs alone."""
+
+import sys
+from importlib import import_module
+
+from gainsay.figures import FigureSpec, save
+from gainsay.logs import read_log
+from gainsay.steps.command import step_command
+from gainsay.tables import Case
+from gainsay.tables.results import Results
+
+
+def draw(case: Case, figure: FigureSpec) -> None:
+    """Draw one figure from the logs of its runs, as SVG and PNG."""
+    logs = {run: read_log(case.results / "logs" / f"{run}.mcap") for run in figure.runs}
+    save(figure, logs, case, case.results / "figures")
+
+
+def figures(case: Case) -> None:
+    """Draw every figure; one that breaks leaves a failed record and the others are drawn."""
+    results = Results(case, "figures")
+    specs = ()
+    with results.task("figures", "import"):
+        specs = import_module(f"papers.{case.name}.figures").FIGURES
+    for figure in specs:
+        with results.task(figure.name, "draw"):
+            for ending in ("svg", "png"):
+                (case.results / "figures" / f"{figure.name}.{ending}").unlink(missing_ok=True)
+            draw(case, figure)
+            results.say(figure.name, f"from {', '.join(figure.runs)}")
+    results.close()
+
+
+if __name__ == "__main__":
+    sys.exit(step_command(figures, __doc__))

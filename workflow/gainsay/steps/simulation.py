@@ -1,0 +1,64 @@
+"""Simulate the runs of a paper, log each in full, and measure its quantities from its log."""
+
+import sys
+from importlib import import_module
+
+from gainsay.errors import InputError
+from gainsay.logs import LogWriter, RunSpec, read_log
+from gainsay.steps.command import step_command
+from gainsay.tables import Case
+from gainsay.tables.files import read_text
+from gainsay.tables.results import Designs, Results
+
+
+def provenance(case: Case, run: RunSpec) -> dict[str, str]:
+    """Return what a log says of its own origin; the same on every machine."""
+    from gainsay import __version__
+
+    return {
+        "paper": case.name,
+        "run": run.name,
+        "about": run.about,
+        "title": case.paper.title,
+        "doi": case.paper.doi,
+        "gainsay": __version__,
+    }
+
+
+def measure(case: Case, run: RunSpec, results: Results) -> None:
+    """Compute a run's quantities from its log alone."""
+    file = f"logs/{run.name}.mcap"
+    results.measured(run.measure(case, read_log(case.results / file)), source=file)
+
+
+def simulate(case: Case, run: RunSpec, results: Results) -> None:
+    """Simulate a run into its log, then measure it."""
+    path = case.results / "logs" / f"{run.name}.mcap"
+    path.unlink(missing_ok=True)  # an old log must not stand for a run that fails now
+    path.parent.mkdir(parents=True, exist_ok=True)
+    parameters = read_text(case.folder / "parameters.csv", case.root).encode()
+    with LogWriter(path, provenance=provenance(case, run), attachments={"parameters.csv": parameters}) as log:
+        run.simulate(case, Designs(case), log)
+    measure(case, run, results)
+    size = path.stat().st_size / 1e6
+    results.say(run.name, f"{run.about}, {size:.1f} MB")
+
+
+def simulation(case: Case) -> None:
+    """Run every declared run of a paper; one that breaks leaves a failed record and the others run."""
+    results = Results(case, "simulation")
+    runs: dict[str, RunSpec] = {}
+    with results.task("runs", "import"):
+        runs = {run.name: run for run in import_module(f"papers.{case.name}.runs").RUNS}
+    if runs and set(runs) != set(case.paper.runs):
+        raise InputError(
+            "runs", file=f"papers/{case.name}/paper.toml", value=sorted(case.paper.runs), expected=f"{sorted(runs)}"
+        )
+    for run in runs.values():
+        with results.task(run.name, "simulate"):
+            simulate(case, run, results)
+    results.close()
+
+
+if __name__ == "__main__":
+    sys.exit(step_command(simulation, __doc__))

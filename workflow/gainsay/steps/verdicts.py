@@ -1,0 +1,30 @@
+"""Join what the steps found, check every certificate again, and give the verdicts."""
+
+import sys
+from collections import Counter
+
+from gainsay.steps.command import step_command
+from gainsay.tables import Case
+from gainsay.tables.files import write_csv
+from gainsay.tables.results import PARTS, read_part
+from gainsay.verdicts.table import VERDICT_COLUMNS, verdict_rows
+
+
+def verdicts(case: Case) -> None:
+    """Write quantities.csv, gains.csv, failures.csv and verdicts.csv of a paper."""
+    for part, columns in PARTS.items():
+        rows = [[row[column] for column in columns] for row in read_part(case, part)]
+        write_csv(case.results / f"{part}.csv", columns, rows)
+    rows, evidence = verdict_rows(case)
+    write_csv(case.results / "certificates.csv", ("certificate", "accepted", "says"), [
+        *((name, True, sentence) for name, sentence in evidence.certificates.items()),
+        *((name, False, reason) for name, reason in evidence.refused.items()),
+    ])  # fmt: skip
+    write_csv(case.results / "verdicts.csv", VERDICT_COLUMNS, [[row[c] for c in VERDICT_COLUMNS] for row in rows])
+    counts = Counter(row["verdict"] for row in rows)
+    said = ", ".join(f"{counts[verdict]} {verdict}" for verdict in counts)
+    print(f"{case.name}  verdicts    {len(rows)} claims: {said}; {len(evidence.certificates)} certificates checked")
+
+
+if __name__ == "__main__":
+    sys.exit(step_command(verdicts, __doc__))

@@ -1,0 +1,131 @@
+"""What the steps found about a paper, read from its result files."""
+
+import json
+import math
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from gainsay.errors import GainsayError
+from gainsay.proof import check_file
+from gainsay.tables import Case
+from gainsay.tables.files import read_text
+from gainsay.tables.results import read_part
+
+
+@dataclass(frozen=True)
+class Found:
+    """A computed quantity.
+
+    Attributes
+    ----------
+    value : float
+    lower, upper : float or None
+        Enclosure, where one was computed.
+    method, source : str
+    """
+
+    value: float
+    lower: float | None
+    upper: float | None
+    method: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Concluded:
+    """What an accepted certificate says of a quantity.
+
+    Attributes
+    ----------
+    relation : str
+        holds, fails, at_most, less_than, at_least, greater_than or inside.
+    low, high : Fraction or None
+        The bound or bounds.
+    certificate, theorem : str
+        Its id and what proves it.
+    """
+
+    relation: str
+    low: Fraction | None
+    high: Fraction | None
+    certificate: str
+    theorem: str
+
+
+@dataclass
+class Evidence:
+    """All that verdicts rest on.
+
+    Attributes
+    ----------
+    found : dict of quantity to Found
+    concluded : dict of quantity to list of Concluded
+    certificates : dict of certificate id to sentence
+        Accepted ones.
+    refused : dict of certificate id to reason
+    scans : dict of claim to the scan's JSON
+    failures : list of dict
+        step, where, task, message.
+    """
+
+    found: dict[str, Found] = field(default_factory=dict)
+    concluded: dict[str, list[Concluded]] = field(default_factory=dict)
+    certificates: dict[str, str] = field(default_factory=dict)
+    refused: dict[str, str] = field(default_factory=dict)
+    scans: dict[str, dict] = field(default_factory=dict)
+    failures: list[dict[str, str]] = field(default_factory=list)
+
+    def proved_range(self, quantity: str) -> tuple[Fraction | float, Fraction | float, list[Concluded]]:
+        """Return the tightest proved bounds of a quantity (infinite where none) and the conclusions they rest on."""
+        low: Fraction | float = -math.inf
+        high: Fraction | float = math.inf
+        used: dict[str, Concluded] = {}
+        for concluded in self.concluded.get(quantity, []):
+            if concluded.low is not None and concluded.low > low:
+                low, used["low"] = concluded.low, concluded
+            if concluded.high is not None and concluded.high < high:
+                high, used["high"] = concluded.high, concluded
+        return low, high, list(dict.fromkeys(used.values()))
+
+
+def _number(text: str) -> float | None:
+    return float(text) if text else None
+
+
+def _ends(relation: str, value: str | None) -> tuple[Fraction | None, Fraction | None]:
+    if relation in ("holds", "fails") or value is None:
+        return None, None
+    if relation in ("at_most", "less_than"):
+        return None, Fraction(value)
+    if relation in ("at_least", "greater_than"):
+        return Fraction(value), None
+    low, high = value.split("..")
+    return Fraction(low), Fraction(high)
+
+
+def read_evidence(case: Case) -> Evidence:
+    """Read quantities, failures and scans of a paper, and check every certificate again.
+
+    A certificate that the checker refuses counts for nothing and is listed as refused.
+    """
+    evidence = Evidence(failures=read_part(case, "failures"))
+    for row in read_part(case, "quantities"):
+        evidence.found[row["quantity"]] = Found(
+            float(row["value"]), _number(row["lower"]), _number(row["upper"]), row["method"], row["source"]
+        )
+    for path in sorted((case.results / "certificates").glob("*.json")):
+        try:
+            proof = check_file(path, case.root)
+        except GainsayError as error:
+            evidence.refused[path.stem] = str(error)
+            continue
+        evidence.certificates[path.stem] = proof.statement
+        for conclusion in proof.conclusions:
+            low, high = _ends(conclusion.relation, conclusion.value)
+            evidence.concluded.setdefault(conclusion.quantity, []).append(
+                Concluded(conclusion.relation, low, high, path.stem, proof.theorem)
+            )
+    for path in sorted((case.results / "scans").glob("*.json")):
+        scan = json.loads(read_text(path, case.root))
+        evidence.scans[scan["claim"]] = scan
+    return evidence

@@ -1,0 +1,202 @@
+"""The verdict on a claim, from the claim and the evidence alone."""
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+from gainsay.exact.digits import PrintedNumber
+from gainsay.tables import Case
+from gainsay.tables.lint import PROVED, published_ends
+from gainsay.tables.models import Claim
+from gainsay.tables.units import to_si
+from gainsay.verdicts.evidence import Evidence
+
+#: worst first: a claim that joins others is as good as the worst of them
+SEVERITY = ("failed", "contradicted", "undetermined", "uncheckable", "reproduced")
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A verdict with all that the table of verdicts says of it.
+
+    Attributes
+    ----------
+    verdict : str
+    recomputed : float or None
+        In the claim's unit.
+    tolerance : float or None
+        In the claim's unit.
+    evidence : str
+        Kind of evidence, such as ``proved: farkas`` or ``simulated``.
+    range_low, range_high : float or None
+        Proved, numerical or scanned range, in the claim's unit.
+    witness, certificate, note : str
+    """
+
+    verdict: str
+    recomputed: float | None = None
+    tolerance: float | None = None
+    evidence: str = "none"
+    range_low: float | None = None
+    range_high: float | None = None
+    witness: str = ""
+    certificate: str = ""
+    note: str = ""
+
+
+def _compare(claim: Claim, low: Fraction | float, high: Fraction | float, tolerance: Fraction) -> bool | None:
+    """Say whether the claim holds for every value in low..high (True), for none (False), or for some (None)."""
+    factor = to_si(claim.unit)[1]
+    if claim.comparator == "inside":
+        ends = published_ends(claim.published)
+        floor, ceiling = ends[0].value * factor - tolerance, ends[1].value * factor + tolerance
+    else:
+        value = PrintedNumber(claim.published).value * factor
+        floor = -math.inf if claim.comparator == "at_most" else value - tolerance
+        ceiling = math.inf if claim.comparator == "at_least" else value + tolerance
+    if floor <= low and high <= ceiling:
+        return True
+    if high < floor or low > ceiling:
+        return False
+    return None
+
+
+def _tolerance(claim: Claim) -> Fraction:
+    """Return the absolute tolerance in SI: as stated, else half a unit of the printed digits where equality is meant."""
+    factor = to_si(claim.unit)[1]
+    if claim.tolerance:
+        return PrintedNumber(claim.tolerance).value * factor
+    return PrintedNumber(claim.published).half_unit * factor if claim.comparator == "equal" else Fraction(0)
+
+
+def _in_unit(claim: Claim, value: Fraction | float | None) -> float | None:
+    if value is None or value in (math.inf, -math.inf):
+        return None
+    factor = to_si(claim.unit)[1]
+    return float(value) if factor == 1 else float(Fraction(value) / factor)
+
+
+def _missing(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
+    step = case.quantities[claim.quantity].step
+    broken = [f"{f['where']}: {f['message']}" for f in evidence.failures if f["step"] == step]
+    reason = "; ".join(broken) or f"the step {step} did not compute {claim.quantity}"
+    return Judgement("failed", note=f"{reason}; attempts in attempts/{step}.json")
+
+
+def _judge_feasibility(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
+    """Judge what either holds or fails; only an accepted certificate decides."""
+    said = [c for c in evidence.concluded.get(claim.quantity, []) if c.relation in ("holds", "fails")]
+    if not said:
+        return _missing(case, claim, evidence)
+    relations = {c.relation for c in said}
+    certificates = " ".join(c.certificate for c in said)
+    proved = f"proved: {', '.join(sorted({c.theorem for c in said}))}"
+    if len(relations) > 1:
+        return Judgement("failed", evidence=proved, certificate=certificates, note="certificates contradict each other")
+    holds = relations == {"holds"}
+    wanted = claim.comparator != "infeasible"
+    if claim.comparator == "equal":
+        wanted = PrintedNumber(claim.published).value == 1
+    witness = "" if holds == wanted else evidence.certificates[said[0].certificate]
+    return Judgement(
+        "reproduced" if holds == wanted else "contradicted", recomputed=float(holds), evidence=proved,
+        certificate=certificates, witness=witness,
+    )  # fmt: skip
+
+
+def _judge_scan(claim: Claim, scan: dict) -> Judgement:
+    """Judge a claim over the plausible values of what the paper leaves out."""
+    verdict = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined"}[scan["outcome"]]
+    ends = [None if scan.get(end) is None else _in_unit(claim, scan[end]) for end in ("smallest", "largest")]
+    return Judgement(
+        verdict, evidence=f"scanned {scan['samples']}", range_low=ends[0], range_high=ends[1],
+        witness=scan["witness"], note=scan["note"],
+    )  # fmt: skip
+
+
+def _kind_of_evidence(claim: Claim) -> str:
+    return {"parameter": "enclosed", "gain": "enclosed", "trajectory": "simulated"}.get(claim.kind, "sampled")
+
+
+def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
+    """Judge a number by the range that its evidence gives it."""
+    found = evidence.found.get(claim.quantity)
+    low, high, used = evidence.proved_range(claim.quantity)
+    if found is None and not used:
+        return _missing(case, claim, evidence)
+    certificate = " ".join(dict.fromkeys(c.certificate for c in used))
+    if claim.kind in PROVED:
+        kind = f"proved: {', '.join(sorted({c.theorem for c in used}))}" if used else "none"
+    else:
+        kind = _kind_of_evidence(claim)
+        if claim.kind == "trajectory" and (found is None or found.lower is None or found.upper is None):
+            return Judgement("failed", note="a trajectory needs a numerical error bound, and none was computed")
+        if found is not None:
+            exact = Fraction(found.value)
+            low = max(low, exact if found.lower is None else Fraction(found.lower))
+            high = min(high, exact if found.upper is None else Fraction(found.upper))
+    value = found.value if found is not None else None
+    shared = {
+        "recomputed": _in_unit(claim, value),
+        "evidence": kind,
+        "range_low": _in_unit(claim, low),
+        "range_high": _in_unit(claim, high),
+        "certificate": certificate,
+    }
+    if claim.comparator == "less_than":
+        return _judge_order(case, claim, evidence, low, high, shared)
+    tolerance = _tolerance(claim)
+    holds = _compare(claim, low, high, tolerance)
+    shared["tolerance"] = _in_unit(claim, tolerance)
+    if holds is None:
+        reason = "no certificate decides it" if claim.kind in PROVED else "its error bound is too wide to decide"
+        return Judgement("failed", note=reason, **shared)
+    if holds:
+        return Judgement("reproduced", **shared)
+    bounds = f"{shared['range_low']!r}..{shared['range_high']!r}" if low != high else f"{shared['recomputed']!r}"
+    return Judgement("contradicted", witness=f"{claim.quantity} = {bounds} {claim.unit}".strip(), **shared)
+
+
+def _judge_order(case: Case, claim: Claim, evidence: Evidence, low: float, high: float, shared: dict) -> Judgement:
+    """Judge whether a quantity is less than another."""
+    other = evidence.found.get(claim.published)
+    floor, ceiling, _ = evidence.proved_range(claim.published)
+    if other is not None and claim.kind not in PROVED:
+        floor = max(floor, other.value if other.lower is None else other.lower)
+        ceiling = min(ceiling, other.value if other.upper is None else other.upper)
+    elif other is None and floor == -math.inf and ceiling == math.inf:
+        return _missing(case, claim.model_copy(update={"quantity": claim.published}), evidence)
+    if high < floor:
+        return Judgement("reproduced", **shared)
+    if low >= ceiling:
+        compared = None if other is None else _in_unit(claim, other.value)
+        witness = f"{claim.quantity} = {shared['recomputed']!r}, {claim.published} = {compared!r} {claim.unit}"
+        return Judgement("contradicted", witness=witness, **shared)
+    return Judgement("failed", note="the ranges of the two quantities overlap", **shared)
+
+
+def judge(case: Case, claim: Claim, evidence: Evidence, verdicts: dict[str, str]) -> Judgement:
+    """Return the verdict on a claim.
+
+    Parameters
+    ----------
+    case : Case
+    claim : Claim
+    evidence : Evidence
+    verdicts : dict
+        Verdicts so far, for claims that join others.
+    """
+    if claim.kind == "remark":
+        return Judgement("uncheckable", note="nothing in the text to hold it against")
+    if claim.comparator == "all_of":
+        parts = claim.quantity.split()
+        worst = min((verdicts[part] for part in parts), key=SEVERITY.index)
+        at_fault = [part for part in parts if verdicts[part] == worst]
+        witness = "" if worst == "reproduced" else f"{worst}: {' '.join(at_fault)}"
+        return Judgement(worst, evidence="joined", witness=witness)
+    if claim.id in evidence.scans and (claim.kind not in PROVED or evidence.scans[claim.id]["outcome"] == "depends"):
+        return _judge_scan(claim, evidence.scans[claim.id])
+    decided_by_proof = claim.kind in ("identity", "definiteness", "feasibility")
+    if claim.comparator in ("feasible", "infeasible") or (decided_by_proof and claim.comparator == "equal"):
+        return _judge_feasibility(case, claim, evidence)
+    return _judge_number(case, claim, evidence)

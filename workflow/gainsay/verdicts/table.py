@@ -1,0 +1,51 @@
+"""The table of verdicts of a paper."""
+
+from gainsay.tables import Case
+from gainsay.verdicts.evidence import Evidence, read_evidence
+from gainsay.verdicts.judge import Judgement, judge
+
+VERDICT_COLUMNS = (
+    "claim", "where", "kind", "statement", "published", "recomputed", "unit", "tolerance", "verdict", "expected",
+    "evidence", "range_low", "range_high", "witness", "quantity", "certificate", "note",
+)  # fmt: skip
+
+
+def _row(case: Case, claim_id: str, judged: Judgement) -> dict[str, object]:
+    claim = case.claims[claim_id]
+    return {
+        "claim": claim.id,
+        "where": claim.where,
+        "kind": claim.kind,
+        "statement": claim.statement,
+        "published": claim.published,
+        "recomputed": judged.recomputed,
+        "unit": claim.unit,
+        "tolerance": judged.tolerance,
+        "verdict": judged.verdict,
+        "expected": claim.expected,
+        "evidence": judged.evidence,
+        "range_low": judged.range_low,
+        "range_high": judged.range_high,
+        "witness": judged.witness,
+        "quantity": claim.quantity,
+        "certificate": judged.certificate,
+        "note": "; ".join(note for note in (judged.note, claim.note) if note),
+    }
+
+
+def verdict_rows(case: Case) -> tuple[list[dict[str, object]], Evidence]:
+    """Judge every claim of a paper, in the order of its table.
+
+    Returns
+    -------
+    rows : list of dict
+        Keys as in `VERDICT_COLUMNS`.
+    evidence : Evidence
+    """
+    evidence = read_evidence(case)
+    verdicts: dict[str, str] = {}
+    judged: dict[str, Judgement] = {}
+    for claim in sorted(case.claims.values(), key=lambda claim: claim.comparator == "all_of"):
+        judged[claim.id] = judge(case, claim, evidence, verdicts)
+        verdicts[claim.id] = judged[claim.id].verdict
+    return [_row(case, claim_id, judged[claim_id]) for claim_id in case.claims], evidence
