@@ -26,7 +26,7 @@ class Farkas:
     value : float
         Sum of <constant part, Z_j>, scaled coordinates: at most 0 proves that strict inequalities cannot all hold.
     residual : float
-        Largest coefficient left before an unknown, relative to the sum of the absolute values it is made of.
+        Largest coefficient left before an unknown, relative to the largest it has in a block (total trace one).
     least : float
         Least eigenvalue (or entry) of the multipliers, scaled coordinates, total trace one.
     """
@@ -220,6 +220,6 @@ def _confined(
         return None
     z = [m / total for m in z]
     rest = np.abs(_pairing(constraints, scaled.tensors, z))
-    sizes = _pairing(constraints, [np.abs(t) for t in scaled.tensors], [np.abs(m) for m in z])
+    sizes = np.max([np.abs(t).reshape(-1, program.size).max(axis=0) for t in scaled.tensors], axis=0)
     residual = float(np.max(rest / np.where(sizes > 0, sizes, 1.0), initial=0.0))
     return z, Farkas({}, _constant(z, scaled.constants), residual, _least(constraints, z))
