@@ -1,0 +1,415 @@
+"""A claim over every plausible value of what a paper leaves out: sampled evenly, its boundary located by bisection.
+
+The samples are an additive recurrence in the generalised golden ratio, a low-discrepancy sequence for any number of
+inputs, with a shift drawn from a seed. A claim that holds at every sample holds for every plausible input, one that
+fails at every sample fails; else two samples with different outcomes are joined by changing one input at a time, and
+the input at which the outcome turns is bisected.
+
+References
+----------
+H. Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM, 1992, chapter 3: Kronecker sequences.
+"""
+
+import math
+import random
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from gainsay.errors import ComputationError, InputError
+
+Point = dict[str, Any]
+#: fewest samples on which a verdict may rest
+LEAST_SAMPLES = 200
+_BISECTIONS = 60
+
+
+@dataclass(frozen=True)
+class Plausible:
+    """The plausible values of one input.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+    low, high : float or None
+        Ends of a range.
+    logarithmic : bool
+        Whether the range is sampled evenly in the logarithm.
+    values : tuple
+        The values of a choice, instead of a range.
+    """
+
+    name: str
+    unit: str = "1"
+    low: float | None = None
+    high: float | None = None
+    logarithmic: bool = False
+    values: tuple = ()
+
+    def __post_init__(self) -> None:
+        if self.values:
+            return
+        if self.low is None or self.high is None or not self.low < self.high:
+            raise InputError(field=self.name, value=(self.low, self.high), expected="a range low < high or values")
+        if self.logarithmic and self.low <= 0:
+            raise InputError(field=self.name, value=self.low, expected="a positive range for logarithmic sampling")
+
+    def at(self, fraction: float) -> Any:
+        """Return the value at a fraction 0..1 of the range, or of the list of values."""
+        if self.values:
+            return self.values[min(int(fraction * len(self.values)), len(self.values) - 1)]
+        if self.logarithmic:
+            return self.low * (self.high / self.low) ** fraction
+        return self.low + fraction * (self.high - self.low)
+
+    def fraction(self, value: Any) -> float:
+        """Return the fraction of the range at which a value lies, the inverse of `at`."""
+        if self.values:
+            return self.values.index(value) / max(len(self.values) - 1, 1)
+        if self.logarithmic:
+            return math.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what a result file says of the input."""
+        ends = {"values": list(self.values)} if self.values else {"low": self.low, "high": self.high}
+        return {"name": self.name, "unit": self.unit, **ends, "logarithmic": self.logarithmic}
+
+
+def plausible(case: Any, name: str, *, logarithmic: bool = False) -> Plausible:
+    """Read the plausible values of a parameter from a paper's table, in SI units.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    name : str
+        A parameter with the status `assumed`.
+    logarithmic : bool
+        Whether to sample a range evenly in the logarithm.
+
+    Raises
+    ------
+    InputError
+        If the table gives no plausible values.
+    """
+    from gainsay.tables.units import to_si
+
+    row = case.parameters.get(name)
+    if row is None or not row.plausible:
+        raise InputError(
+            file=f"papers/{case.name}/parameters.csv", field="plausible", value=name, expected="its plausible values"
+        )
+    unit, factor = to_si(row.unit)
+    low, dots, high = row.plausible.partition("..")
+    if row.type == "number" and dots:
+        return Plausible(name, unit, float(low) * float(factor), float(high) * float(factor), logarithmic)
+    words = row.plausible.split("|")
+    return Plausible(
+        name, unit, values=tuple(float(w) * float(factor) for w in words) if row.type == "number" else tuple(words)
+    )
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """Where the outcome turns along one input, all others fixed.
+
+    Attributes
+    ----------
+    input : str
+    holds, fails : value
+        The two values of the input between which the outcome turns; adjacent to the bisection's width, or two
+        values of a choice.
+    at : Point
+        All inputs at the value that holds.
+    """
+
+    input: str
+    holds: Any
+    fails: Any
+    at: Point
+
+
+@dataclass(frozen=True)
+class Scan:
+    """What a scan found; written by `Results.scan`.
+
+    Attributes
+    ----------
+    claim, quantity : str
+    inputs : tuple of Plausible
+    samples, holding : int
+        Samples evaluated, and those at which the claim holds.
+    seed : int
+    least, greatest : (float, Point)
+        Smallest and largest value of the quantity with their inputs.
+    holds_at, fails_at : (float, Point) or None
+        A sample with each outcome, joined by `boundary`.
+    boundary : Boundary or None
+    criterion : str
+        What it means to hold, one phrase.
+    """
+
+    claim: str
+    quantity: str
+    inputs: tuple[Plausible, ...]
+    samples: int
+    holding: int
+    seed: int
+    least: tuple[float, Point]
+    greatest: tuple[float, Point]
+    holds_at: tuple[float, Point] | None
+    fails_at: tuple[float, Point] | None
+    boundary: Boundary | None
+    criterion: str
+
+    @property
+    def outcome(self) -> str:
+        """``holds`` for every sample, ``fails`` for every sample, or ``depends``."""
+        if self.holding == self.samples:
+            return "holds"
+        return "fails" if self.holding == 0 else "depends"
+
+    def _phrase(self, found: tuple[float, Point] | None) -> str:
+        if found is None:
+            return ""
+        units = {p.name: p.unit for p in self.inputs}
+        at = ", ".join(f"{k} = {_short(v)} {units[k]}".removesuffix(" 1") for k, v in found[1].items())
+        return f"{self.quantity} = {_short(found[0])} at {at}"
+
+    @property
+    def witness(self) -> str:
+        """One sentence: the counterexample, or both outcomes with the boundary between them."""
+        if self.outcome == "holds":
+            return ""
+        if self.outcome == "fails" or self.boundary is None:
+            return self._phrase(self.fails_at)
+        unit = next(p.unit for p in self.inputs if p.name == self.boundary.input)
+        turns = (
+            f"depends on {self.boundary.input}: holds at {_short(self.boundary.holds)}, "
+            f"fails at {_short(self.boundary.fails)} {unit}".removesuffix(" 1")
+        )
+        return f"{turns}; holds: {self._phrase(self.holds_at)}; fails: {self._phrase(self.fails_at)}"
+
+    @property
+    def note(self) -> str:
+        """How many samples hold, and what holding means."""
+        return f"holds at {self.holding} of {self.samples} plausible inputs ({self.criterion})"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the content of the result file."""
+
+        def pair(found: tuple[float, Point] | None) -> dict[str, Any] | None:
+            return None if found is None else {"value": found[0], "inputs": found[1]}
+
+        return {
+            "claim": self.claim,
+            "quantity": self.quantity,
+            "criterion": self.criterion,
+            "outcome": self.outcome,
+            "samples": self.samples,
+            "holding": self.holding,
+            "seed": self.seed,
+            "sequence": "additive recurrence in the generalised golden ratio, seeded shift",
+            "inputs": [p.to_json() for p in self.inputs],
+            "smallest": self.least[0],
+            "largest": self.greatest[0],
+            "smallest_at": self.least[1],
+            "largest_at": self.greatest[1],
+            "holds_at": pair(self.holds_at),
+            "fails_at": pair(self.fails_at),
+            "boundary": None
+            if self.boundary is None
+            else {
+                "input": self.boundary.input,
+                "holds": self.boundary.holds,
+                "fails": self.boundary.fails,
+                "at": self.boundary.at,
+            },
+            "witness": self.witness,
+            "note": self.note,
+        }
+
+
+def _short(value: Any) -> str:
+    return f"{value:.5g}" if isinstance(value, float) else str(value)
+
+
+def fractions(dimensions: int, seed: int) -> Iterator[tuple[float, ...]]:
+    """Yield the points of the sequence in the unit cube, without end.
+
+    Parameters
+    ----------
+    dimensions : int
+    seed : int
+        Of the shift.
+    """
+    # The root of g^(d+1) = g + 1 gives multiples whose fractional parts avoid each other in all d directions.
+    g = 2.0
+    for _ in range(60):
+        g = (1 + g) ** (1 / (dimensions + 1))
+    steps = [g ** -(i + 1) for i in range(dimensions)]
+    source = random.Random(seed)
+    shift = [source.random() for _ in range(dimensions)]
+    index = 0
+    while True:
+        index += 1
+        yield tuple((s + index * a) % 1.0 for s, a in zip(shift, steps, strict=True))
+
+
+def sample(
+    inputs: Sequence[Plausible], samples: int, seed: int, admissible: Callable[[Mapping], bool] | None = None
+) -> list[Point]:
+    """Draw points from the plausible values of the inputs.
+
+    Parameters
+    ----------
+    inputs : sequence of Plausible
+    samples : int
+        Number of admissible points.
+    seed : int
+    admissible : callable, optional
+        Says whether inputs fit together, such as moments of inertia; others are passed over.
+
+    Raises
+    ------
+    InputError
+        If fewer than one point in a hundred is admissible.
+    """
+    points: list[Point] = []
+    for drawn, fraction in enumerate(fractions(len(inputs), seed)):
+        if drawn > 100 * max(samples, 10):
+            raise InputError("hardly any plausible inputs fit together", value=f"{len(points)} of {drawn} drawn")
+        point = {p.name: p.at(f) for p, f in zip(inputs, fraction, strict=True)}
+        if admissible is None or admissible(point):
+            points.append(point)
+            if len(points) == samples:
+                return points
+    raise AssertionError("the sequence does not end")
+
+
+def scan(
+    claim: str,
+    quantity: str,
+    inputs: Sequence[Plausible],
+    evaluate: Callable[[Mapping], float],
+    holds: Callable[[float], bool],
+    *,
+    criterion: str,
+    samples: int = 256,
+    seed: int = 0,
+    admissible: Callable[[Mapping], bool] | None = None,
+    width: float = 1e-3,
+) -> Scan:
+    """Evaluate a claim over the plausible inputs and locate the boundary where its outcome turns.
+
+    Parameters
+    ----------
+    claim, quantity : str
+        Ids of the claim and of the quantity that it speaks of.
+    inputs : sequence of Plausible
+    evaluate : callable
+        Mapping of input names to values -> the quantity; must be deterministic.
+    holds : callable
+        Value of the quantity -> whether the claim holds.
+    criterion : str
+        What it means to hold, one phrase.
+    samples : int
+        At least `LEAST_SAMPLES`.
+    seed : int
+    admissible : callable, optional
+        See `sample`.
+    width : float
+        Fraction of an input's range at which the bisection stops.
+
+    Raises
+    ------
+    InputError
+        For too few samples or inputs that hardly ever fit together.
+    ComputationError
+        If the quantity cannot be computed at a sample: nothing is passed over.
+    """
+    if samples < LEAST_SAMPLES:
+        raise InputError("samples of a scan", field=claim, value=samples, expected=f"at least {LEAST_SAMPLES}")
+
+    def value_at(point: Point) -> float:
+        try:
+            value = float(evaluate(dict(point)))
+        except (ComputationError, InputError) as error:
+            raise ComputationError(claim, f"scan broke at {point}: {error}") from error
+        if math.isnan(value):
+            raise ComputationError(claim, f"scan broke at {point}: the quantity is not a number")
+        return value
+
+    points = sample(inputs, samples, seed, admissible)
+    found = [(value_at(point), point) for point in points]
+    good = [pair for pair in found if holds(pair[0])]
+    bad = [pair for pair in found if not holds(pair[0])]
+    boundary, first_good, first_bad = None, next(iter(good), None), next(iter(bad), None)
+    if good and bad:
+        boundary, first_good, first_bad = _boundary(inputs, good, bad, value_at, holds, admissible, width)
+    by_value = sorted(found, key=lambda pair: pair[0])
+    return Scan(
+        claim, quantity, tuple(inputs), len(found), len(good), seed, by_value[0], by_value[-1], first_good, first_bad,
+        boundary, criterion,
+    )  # fmt: skip
+
+
+def _boundary(
+    inputs: Sequence[Plausible],
+    good: list,
+    bad: list,
+    value_at: Callable[[Point], float],
+    holds: Callable[[float], bool],
+    admissible: Callable[[Mapping], bool] | None,
+    width: float,
+) -> tuple[Boundary | None, tuple[float, Point], tuple[float, Point]]:
+    """Join the nearest pair of different outcomes one input at a time and bisect the input that turns it."""
+
+    def distance(a: Point, b: Point) -> float:
+        return sum((p.fraction(a[p.name]) - p.fraction(b[p.name])) ** 2 for p in inputs)
+
+    nearest = sorted(
+        ((distance(g[1], b[1]), i, j) for i, g in enumerate(good) for j, b in enumerate(bad)), key=lambda t: t
+    )
+    for _, i, j in nearest[:50]:
+        path = _turn(inputs, good[i], bad[j], value_at, holds, admissible)
+        if path is None:
+            continue
+        turning, inside, outside = path
+        if not turning.values:
+            inside, outside = _bisect(turning, inside, outside, value_at, holds, width)
+        name = turning.name
+        return Boundary(name, inside[1][name], outside[1][name], inside[1]), inside, outside
+    return None, good[nearest[0][1]], bad[nearest[0][2]]
+
+
+def _turn(inputs, start, end, value_at, holds, admissible) -> tuple[Plausible, tuple, tuple] | None:
+    """Walk from a point that holds to one that fails; return the input at whose change the outcome turns."""
+    before = start
+    for changed in inputs:
+        point = {**before[1], changed.name: end[1][changed.name]}
+        if point == before[1]:
+            continue
+        if admissible is not None and not admissible(point):
+            return None
+        after = (value_at(point), point)
+        if not holds(after[0]):
+            return changed, before, after
+        before = after
+    return None
+
+
+def _bisect(turning, inside, outside, value_at, holds, width) -> tuple[tuple, tuple]:
+    low, high = turning.fraction(inside[1][turning.name]), turning.fraction(outside[1][turning.name])
+    for _ in range(_BISECTIONS):
+        if abs(high - low) <= width:
+            break
+        middle = 0.5 * (low + high)
+        point = {**inside[1], turning.name: turning.at(middle)}
+        found = (value_at(point), point)
+        if holds(found[0]):
+            low, inside = middle, found
+        else:
+            high, outside = middle, found
+    return inside, outside
