@@ -52,6 +52,11 @@ def _pairing(constraints: Sequence, tensors: Sequence, multipliers: Sequence) ->
     return total
 
 
+def _sizes(program: Program, scaled: scaling.Scaled) -> np.ndarray:
+    """Largest coefficient of each coordinate."""
+    return np.max([np.abs(t).reshape(-1, program.size).max(axis=0, initial=0.0) for t in scaled.tensors], axis=0)
+
+
 def _constant(multipliers: Sequence, constants: Sequence) -> float:
     return float(sum(np.sum(z * c) for z, c in zip(multipliers, constants, strict=True)))
 
@@ -89,7 +94,7 @@ def lower_bound(program: Program, scale: scaling.Scaling, multipliers: Sequence[
             z[number] = part + step[place : place + part.size].reshape(part.shape)
             place += part.size
     rest = np.abs(scaled.cost - _pairing(constraints, scaled.tensors, z))
-    sizes = _pairing(constraints, [np.abs(t) for t in scaled.tensors], [np.abs(m) for m in z])
+    sizes = _sizes(program, scaled) * max(float(np.abs(m).max(initial=0.0)) for m in z)
     if (rest > 1e-12 * (sizes + np.abs(scaled.cost))).any() or _least(constraints, z) < 0:
         return -np.inf
     return float(program.objective.constant[0, 0] - scale.cost * _constant(z, scaled.constants))
@@ -220,6 +225,6 @@ def _confined(
         return None
     z = [m / total for m in z]
     rest = np.abs(_pairing(constraints, scaled.tensors, z))
-    sizes = np.max([np.abs(t).reshape(-1, program.size).max(axis=0) for t in scaled.tensors], axis=0)
+    sizes = _sizes(program, scaled)
     residual = float(np.max(rest / np.where(sizes > 0, sizes, 1.0), initial=0.0))
     return z, Farkas({}, _constant(z, scaled.constants), residual, _least(constraints, z))

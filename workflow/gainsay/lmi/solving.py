@@ -74,7 +74,7 @@ class Infimum:
     Attributes
     ----------
     value : float
-        The solver's optimum without margin where it lies inside the enclosure, else the middle.
+        Both bounds followed to margin zero; the middle of the enclosure where that lies outside it.
     lower, upper : float
         From multipliers and from a strict point; floating point, correct to rounding.
     values : dict
@@ -157,6 +157,12 @@ def _rounds(program: Program, scale: scaling.Scaling, setting: str, rounds: int,
     return None if best is None else Solved(best.values, best.objective, best.check, best.gap, tuple(attempts))
 
 
+def _limit(margins: tuple[float, ...], bounds: list[float]) -> float:
+    """Follow a bound, which is linear in a small margin, to margin zero."""
+    (m1, m2), (b1, b2) = margins[-2:], bounds[-2:]
+    return b2 - m2 * (b1 - b2) / (m1 - m2)
+
+
 def infimum(program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9)) -> Infimum | Infeasible | Failed:
     """Enclose the infimum of a program between a strict point and strict multipliers.
 
@@ -173,6 +179,7 @@ def infimum(program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9)) -
     scale = scaling.from_point(program, program.coordinates(solved.values))
     scaled = scaling.apply(program, scale)
     lower, best = -np.inf, solved
+    bounds: tuple[list[float], list[float]] = ([], [])
     for margin in margins:
         raw = backends.run(scaled, program.constraints, margin)
         record = {**raw.record, "aim": "upper", "asked": margin}
@@ -182,17 +189,19 @@ def infimum(program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9)) -
             record |= {"objective": check.objective, "margin": check.worst}
             if check.holds and check.objective < best.objective:
                 best = Solved(values, check.objective, check, abs(raw.primal - raw.dual), ())
+        bounds[1].append(record.get("objective", np.nan))
         attempts.append(record)
         multipliers, raw = duality.pushed_inside(program, scale, margin)
         bound = -np.inf if multipliers is None else duality.lower_bound(program, scale, multipliers)
         attempts.append({**raw.record, "aim": "lower", "asked": margin, "objective": bound})
+        bounds[0].append(bound)
         lower = max(lower, bound)
     raw = backends.run(scaled, program.constraints, 0.0)
     attempts.append({**raw.record, "aim": "infimum", "objective": raw.primal * scale.cost})
     if raw.x is None:
         return Failed(program.label, tuple(attempts))
-    value = float(program.objective.constant[0, 0] + scale.cost * raw.primal)
+    value = float(np.mean([_limit(margins, side) for side in bounds]))
     if not lower <= value <= best.objective:
-        value = (lower + best.objective) / 2
+        value = (lower + best.objective) / 2 if np.isfinite(lower) else best.objective
     best = Solved(best.values, best.objective, best.check, best.gap, tuple(attempts))
     return Infimum(value, lower, best.objective, program.values(raw.x * scale.unknowns), best, tuple(attempts))
