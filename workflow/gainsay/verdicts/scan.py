@@ -1,13 +1,12 @@
 """A claim over every plausible value of what a paper leaves out: sampled evenly, its boundary located by bisection.
 
-The samples are an additive recurrence in the generalised golden ratio, a low-discrepancy sequence for any number of
-inputs, with a shift drawn from a seed. A claim that holds at every sample holds for every plausible input, one that
+The samples are a Halton sequence, of low discrepancy, with a shift drawn from a seed. A claim that holds at every sample holds for every plausible input, one that
 fails at every sample fails; else two samples with different outcomes are joined by changing one input at a time, and
 the input at which the outcome turns is bisected.
 
 References
 ----------
-H. Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM, 1992, chapter 3: Kronecker sequences.
+H. Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM, 1992, section 3.1.
 """
 
 import math
@@ -22,6 +21,7 @@ Point = dict[str, Any]
 #: fewest samples on which a verdict may rest
 LEAST_SAMPLES = 200
 _BISECTIONS = 60
+_PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 
 
 @dataclass(frozen=True)
@@ -210,7 +210,7 @@ class Scan:
             "samples": self.samples,
             "holding": self.holding,
             "seed": self.seed,
-            "sequence": "additive recurrence in the generalised golden ratio, seeded shift",
+            "sequence": "Halton, seeded shift",
             "inputs": [p.to_json() for p in self.inputs],
             "smallest": self.least[0],
             "largest": self.greatest[0],
@@ -244,17 +244,24 @@ def fractions(dimensions: int, seed: int) -> Iterator[tuple[float, ...]]:
     seed : int
         Of the shift.
     """
-    # The root of g^(d+1) = g + 1 gives multiples whose fractional parts avoid each other in all d directions.
-    g = 2.0
-    for _ in range(60):
-        g = (1 + g) ** (1 / (dimensions + 1))
-    steps = [g ** -(i + 1) for i in range(dimensions)]
+    if dimensions > len(_PRIMES):
+        raise InputError("inputs of a scan", value=dimensions, expected=f"at most {len(_PRIMES)}")
     source = random.Random(seed)
     shift = [source.random() for _ in range(dimensions)]
     index = 0
     while True:
         index += 1
-        yield tuple((s + index * a) % 1.0 for s, a in zip(shift, steps, strict=True))
+        yield tuple((s + _mirrored(index, b)) % 1.0 for s, b in zip(shift, _PRIMES, strict=False))
+
+
+def _mirrored(index: int, base: int) -> float:
+    """Digits of an integer mirrored at the point: the radical inverse."""
+    value, place = 0.0, 1.0
+    while index:
+        index, digit = divmod(index, base)
+        place /= base
+        value += digit * place
+    return value
 
 
 def sample(
