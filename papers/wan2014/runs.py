@@ -1,0 +1,223 @@
+"""The runs of section 4: the printed controller under every start of its observer, and the designs of ours."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from gainsay.errors import ComputationError
+from gainsay.logs import (
+    Body,
+    Bound,
+    Columns,
+    EventLog,
+    Layout,
+    Line,
+    Log,
+    LogWriter,
+    Measured,
+    Plot,
+    Rows,
+    RunSpec,
+    Scene,
+    Tab,
+    Text,
+)
+from gainsay.simulation.ode import Trajectory, last_crossing
+from gainsay.tables import Case
+from papers.wan2014 import plant
+from papers.wan2014.plant import AXES, COST, DELTA_V, ESTIMATE, POSITION, SQUARED_ERROR, VELOCITY, ClosedLoop
+
+STATE = {"x": "m", "y": "m", "z": "m", "vx": "m/s", "vy": "m/s", "vz": "m/s"}
+FORCE = dict.fromkeys(AXES, "N")
+#: capture means that the range stays below this, m
+CAPTURE_RADIUS = 10.0
+#: the estimate has settled once its velocity error stays below this part of the first one
+SETTLED = 0.01
+RTOL = 1e-12
+
+
+def sample_times(end: float) -> np.ndarray:
+    """Return the times of the log's samples, s: dense in the observer's transient, sparse once all is quiet."""
+    grid = np.concatenate([np.arange(0, 30, 0.05), np.arange(30, 3000, 1.0), np.arange(3000, end, 10.0), [end]])
+    return np.unique(grid)
+
+
+def scalars(case: Case, loop: ClosedLoop, trajectory: Trajectory) -> dict[str, tuple[float, float, str]]:
+    """Return the located numbers of a run: name -> (time, value, unit)."""
+    end = float(trajectory.ends[-1])
+    final = trajectory(end)
+    found = {
+        "cost": (end, float(final[COST]), "1"),
+        "delta_v": (end, float(final[DELTA_V]), "m/s"),
+        "squared_error": (end, float(final[SQUARED_ERROR]), "1"),
+        "range_3000s": (3000.0, float(np.linalg.norm(trajectory(3000.0)[POSITION])), "m"),
+    }
+    for index, axis in enumerate(AXES):
+        time, value = plant.peak_thrust(loop, trajectory, index)
+        found[f"peak_f{axis}"] = (time, value, "N")
+    try:
+        capture = plant.capture_time(trajectory, CAPTURE_RADIUS)
+        found["capture_10m"] = (capture, capture, "s")
+    except ComputationError:
+        pass  # a run that never captures has no capture time; its measures then lack it, and say so
+    error = trajectory(0.0)[VELOCITY] - trajectory(0.0)[ESTIMATE][3:]
+    size = float(np.linalg.norm(error))
+    if size > 0:
+        settled = last_crossing(
+            trajectory, lambda t, x: np.linalg.norm(x[:, VELOCITY] - x[:, ESTIMATE][:, 3:], axis=1) - SETTLED * size
+        )
+        found["error_settling"] = (settled, settled, "s")
+    return found
+
+
+def fly(case: Case, loop: ClosedLoop, start: np.ndarray, log: LogWriter) -> None:
+    """Simulate a closed loop over the horizon and log it in full, with its located extremes and its numerical error."""
+    end = case.number("horizon")
+    trajectory = loop.simulate(start, end, rtol=RTOL)
+    second = loop.simulate(start, end, rtol=RTOL, method="LSODA")
+    time = sample_times(end)
+    states = trajectory(time)
+    estimate, thrust = states[:, ESTIMATE], loop.thrust(states[:, ESTIMATE])
+    log.signal("/chaser/state", STATE, time, states[:, :6])
+    log.signal("/observer/state", STATE, time, estimate)
+    log.signal("/observer/error", STATE, time, states[:, :6] - estimate)
+    log.signal("/chaser/thrust", FORCE, time, thrust)
+    log.signal("/chaser/range", {"range": "m"}, time, plant.distance(time, states)[:, None])
+    integrals = {"cost": "1", "delta_v": "m/s", "squared_error": "1"}
+    log.signal("/integrals", integrals, time, states[:, [COST, DELTA_V, SQUARED_ERROR]])
+    again = scalars(case, loop, second)
+    for name, (instant, value, unit) in scalars(case, loop, trajectory).items():
+        log.extreme(name, instant, value, unit)
+        log.summary(f"second_{name}", again[name][1], unit)
+    for axis, limit in zip(AXES, loop.limits, strict=True):
+        log.bound(f"thrust_{axis}", "N", lower=-limit, upper=limit)
+    note_saturation(loop, trajectory, log)
+    draw_scene(time, states, thrust, log)
+
+
+def note_saturation(loop: ClosedLoop, trajectory: Trajectory, log: LogWriter) -> None:
+    """Log every time at which clipping begins or ends."""
+    for instant in trajectory.ends[1:-1]:
+        commanded = -trajectory(float(instant))[ESTIMATE] @ loop.K.T
+        near = int(np.argmin(np.abs(np.abs(commanded) / loop.limits - 1)))
+        log.event(float(instant), "saturation", f"commanded f{AXES[near]} passes its bound", level="warning")
+
+
+def draw_scene(time: np.ndarray, states: np.ndarray, thrust: np.ndarray, log: LogWriter) -> None:
+    """Log what the three-dimensional view shows, in the target's LVLH frame."""
+    log.transform("lvlh", "chaser", time, states[:, POSITION])
+    log.line("trajectory", "lvlh", states[:, POSITION], "truth")
+    log.line("estimated_trajectory", "lvlh", states[:, ESTIMATE][:, :3], "estimate", width=1.0)
+    log.body("chaser", "chaser", Body((160.0, 160.0, 160.0)))
+    log.arrows("thrust", "chaser", time, thrust, 40.0, "thrust")
+    log.marker("target", "lvlh", (0.0, 0.0, 0.0), 120.0, "target", label="target")
+    log.axes("lvlh", 800.0)
+    log.axes("chaser", 400.0)
+    log.event(0.0, "start", "chaser 5 km from the target; the estimate starts as the run says")
+
+
+def measure(prefix: str, wanted: tuple[str, ...]) -> Callable[[Case, Log], Mapping[str, Measured]]:
+    """Return the function that reads a run's quantities from its log: the located value, banded by a second method."""
+
+    def measured(case: Case, log: Log) -> dict[str, Measured]:
+        found = {}
+        for name in wanted:
+            _, value = log.extremes[name]
+            band = abs(value - log.summaries[f"second_{name}"])
+            method = "DOP853 at 1e-12, located on dense output; band: difference to LSODA at 1e-12"
+            found[f"{prefix}.{name}"] = Measured(value, method, value - band, value + band)
+        if "error_settling" in wanted and "capture_10m" in wanted:
+            share = log.extremes["error_settling"][1] / log.extremes["capture_10m"][1]
+            found[f"{prefix}.error_settling_share"] = Measured(share, "settling time of the estimate over capture time")
+        return found
+
+    return measured
+
+
+PEAKS = tuple(f"peak_f{axis}" for axis in AXES)
+FULL = ("cost", "delta_v", *PEAKS, "range_3000s", "capture_10m")
+
+
+def printed(start: str, *, linear: bool = False, clipped: bool = False) -> Callable[..., None]:
+    """Return the simulation of the printed gains from a start of the observer."""
+
+    def simulate(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], log: LogWriter) -> None:
+        loop = ClosedLoop(case, case.matrix("K"), case.matrix("L"), linear, clipped)
+        fly(case, loop, plant.observer_start(case, start), log)
+
+    return simulate
+
+
+def designed(name: str) -> Callable[..., None]:
+    """Return the simulation of a design of ours from the measured position."""
+
+    def simulate(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], log: LogWriter) -> None:
+        design = designs[name]
+        loop = ClosedLoop(case, design["K"], design.get("L", case.matrix("L")))
+        fly(case, loop, plant.observer_start(case, "measured_position"), log)
+
+    return simulate
+
+
+RUNS = (
+    RunSpec("nominal", "printed K and L, two-body plant, estimate starts at the measured position",
+            printed("measured_position"), measure("audit", (*FULL, "error_settling"))),
+    RunSpec("exact_start", "printed K and L, two-body plant, estimate starts at the true state",
+            printed("exact"), measure("audit.exact_start", FULL)),
+    RunSpec("blind_start", "printed K and L, two-body plant, estimate starts at zero, thrust as commanded",
+            printed("zero"), measure("audit.blind_start", FULL)),
+    RunSpec("blind_start_clipped", "printed K and L, two-body plant, estimate starts at zero, thrust clipped at (5)",
+            printed("zero", clipped=True), measure("audit.blind_start_clipped", FULL)),
+    RunSpec("linear", "printed K and L, plant (1), estimate starts at the measured position",
+            printed("measured_position", linear=True), measure("audit.linear", FULL)),
+    RunSpec("resynthesised", "K of the sub-problem solved again, printed L, two-body plant",
+            designed("resynthesised"), measure("run.resynthesised", FULL)),
+    RunSpec("repaired", "our certified design, two-body plant, same start and limits",
+            designed("repaired"), measure("run.repaired", FULL)),
+    RunSpec("lqr", "linear-quadratic regulator at the thrust limit, printed L, two-body plant",
+            designed("lqr"), measure("run.lqr", FULL)),
+)  # fmt: skip
+
+
+def _axes(topic: str, fields: tuple[str, ...], suffix: str = "", label: str = "") -> tuple[Line, ...]:
+    return tuple(
+        Line(topic, field, f"{field}{label}", f"axis_{index}{suffix}") for index, field in enumerate(fields, start=1)
+    )
+
+
+ABOUT = """# Rendezvous of Wan, Liu and Karimi 2014
+
+A 200 kg chaser 5 km from its target in near-circular orbit, in the target's LVLH frame: x up, y along track, z out of
+plane. Thick line: where it is. Thin line: where its observer believes it is. Orange arrows: thrust.
+
+- **Velocity error** (Figure 2): decays within seconds; the paper shows these three curves.
+- **Velocity** (Figure 3) and **thrust** (Figure 4): dashed lines are the bounds (5), 40, 40 and 20 N. Whether they are
+  kept depends on where the estimate starts, which the paper does not say: compare the runs `nominal` and `blind_start`.
+- **Trajectory** (Figure 5): the first 3000 s.
+"""
+
+LAYOUT = Layout("wan2014", (
+    Tab("Rendezvous", Columns(
+        Scene("Relative trajectory, LVLH", "lvlh",
+              elements=("trajectory", "estimated_trajectory", "thrust", "chaser", "target"),
+              axes=("lvlh", "chaser")),
+        Rows(
+            Plot("Relative position [m]", (*_axes("/chaser/state", ("x", "y", "z")),
+                                           *_axes("/observer/state", ("x", "y", "z"), "_estimate", " estimated"))),
+            Plot("Relative velocity [m/s]", (*_axes("/chaser/state", ("vx", "vy", "vz")),
+                                             *_axes("/observer/state", ("vx", "vy", "vz"), "_estimate", " estimated"))),
+            Plot("Thrust [N]", _axes("/chaser/thrust", AXES),
+                 bounds=(Bound("thrust_x", "bound x, y"), Bound("thrust_z", "bound z"))),
+        ),
+        shares=(1, 1))),
+    Tab("Observer", Rows(
+        Plot("Velocity error of the estimate [m/s]", _axes("/observer/error", ("vx", "vy", "vz"))),
+        Plot("Position error of the estimate [m]", _axes("/observer/error", ("x", "y", "z"))),
+    )),
+    Tab("Integrals", Rows(
+        Plot("Range to the target [m]", (Line("/chaser/range", "range", "range", "magnitude"),)),
+        Plot("Cost J so far [1]", (Line("/integrals", "cost", "J", "magnitude"),)),
+        Plot("Velocity increment so far [m/s]", (Line("/integrals", "delta_v", "delta-v", "magnitude"),)),
+    )),
+    Tab("About", Columns(Text("About", ABOUT), EventLog())),
+))  # fmt: skip

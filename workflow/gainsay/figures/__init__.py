@@ -1,0 +1,5 @@
+"""Figures for print, drawn from logs alone, the same to the byte every time."""
+
+from gainsay.figures.drawing import FigureSpec, bound, curve, curves, finish, panels, save
+
+__all__ = ["FigureSpec", "bound", "curve", "curves", "finish", "panels", "save"]

@@ -1,0 +1,30 @@
+"""Make every log of a paper open well: an .rrd with its blueprint and a Foxglove layout beside each .mcap."""
+
+import sys
+from importlib import import_module
+
+from gainsay.logs import Layout, read_log
+from gainsay.logs.check import check_layout
+from gainsay.logs.views import write_views
+from gainsay.steps.command import step_command
+from gainsay.tables import Case
+from gainsay.tables.results import Results
+
+
+def views(case: Case) -> None:
+    """Write the views of every run that left a log; one that breaks leaves a failed record."""
+    results = Results(case, "views")
+    layout: Layout | None = None
+    with results.task("views", "import"):
+        layout = import_module(f"papers.{case.name}.runs").LAYOUT
+    for run in case.paper.runs if layout is not None else ():
+        path = case.results / "logs" / f"{run}.mcap"
+        with results.task(run, "views"):
+            check_layout(layout.for_run(run), read_log(path))
+            write_views(path, layout, run)
+            results.say(run, f"{path.with_suffix('.rrd').name} opens with its layout")
+    results.close()
+
+
+if __name__ == "__main__":
+    sys.exit(step_command(views, __doc__))
