@@ -59,7 +59,7 @@ def test_points_fill_the_cube_evenly(dimensions, seed):
     # points, each with a standard deviation of 8, the worst of 16 strays by about 16.
     for axis in range(dimensions):
         shares = [sum(int(16 * p[axis]) == k for p in points) for k in range(16)]
-        assert max(abs(s - 64) for s in shares) <= 12
+        assert max(abs(s - 64) for s in shares) <= 8
         assert all(0 <= p[axis] < 1 for p in points)
 
 

@@ -1,8 +1,8 @@
 """A claim over every plausible value of what a paper leaves out: sampled evenly, its boundary located by bisection.
 
-The samples are a Halton sequence, of low discrepancy, with a shift drawn from a seed. A claim that holds at every sample holds for every plausible input, one that
-fails at every sample fails; else two samples with different outcomes are joined by changing one input at a time, and
-the input at which the outcome turns is bisected.
+The samples are a Halton sequence, of low discrepancy, with a shift drawn from a seed. A claim that holds at every
+sample holds for every plausible input, one that fails at every sample fails; else two samples with different outcomes
+are joined by changing one input at a time, and the input at which the outcome turns is bisected.
 
 References
 ----------
