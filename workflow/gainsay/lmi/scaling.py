@@ -5,6 +5,7 @@ with a good status. A cone of semidefinite matrices is scaled by its solver with
 has to be part of the program.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -68,6 +69,27 @@ def from_point(program: Program, x: np.ndarray) -> Scaling:
             known[variable] = np.log(sizes)
     extents = [row.extent(x) for row in program.rows]
     return _fit(program, known, [-np.log(extent) / 2 for extent in extents], abs(program.cost @ x))
+
+
+def balanced(program: Program, scale: Scaling, x: np.ndarray, multipliers: Sequence[np.ndarray]) -> Scaling:
+    """Scaling in which blocks and multipliers have diagonals of one size, as interior multipliers need it.
+
+    Parameters
+    ----------
+    program : Program
+    scale : Scaling
+        Scaling to which the multipliers belong.
+    x : ndarray
+        Coordinates of the optimum, unscaled.
+    multipliers : sequence of ndarray
+        Multipliers at the optimum.
+    """
+    rows = []
+    for row, d, multiplier in zip(program.rows, scale.rows, multipliers, strict=True):
+        block = row.extent(x) * d**2
+        weight = np.abs(np.diagonal(multiplier) if row.is_matrix else multiplier)
+        rows.append(d * (np.clip(weight, 1e-14, None) / block) ** 0.25)
+    return Scaling(scale.unknowns, tuple(rows), scale.cost)
 
 
 def _parameters(variable: Variable) -> np.ndarray:

@@ -74,7 +74,7 @@ class Infimum:
     Attributes
     ----------
     value : float
-        Both bounds followed to margin zero; the middle of the enclosure where that lies outside it.
+        The bounds followed to margin zero; the middle of the enclosure where that lies outside it.
     lower, upper : float
         From multipliers and from a strict point; floating point, correct to rounding.
     values : dict
@@ -160,7 +160,7 @@ def _rounds(program: Program, scale: scaling.Scaling, setting: str, rounds: int,
 def _limit(margins: tuple[float, ...], bounds: list[float]) -> float:
     """Follow a bound, which is linear in a small margin, to margin zero."""
     (m1, m2), (b1, b2) = margins[-2:], bounds[-2:]
-    return b2 - m2 * (b1 - b2) / (m1 - m2)
+    return b2 - m2 * (b1 - b2) / (m1 - m2) if np.isfinite([b1, b2]).all() else np.nan
 
 
 def infimum(program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9)) -> Infimum | Infeasible | Failed:
@@ -177,31 +177,48 @@ def infimum(program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9)) -
         return solved
     attempts = list(solved.attempts)
     scale = scaling.from_point(program, program.coordinates(solved.values))
-    scaled = scaling.apply(program, scale)
-    lower, best = -np.inf, solved
-    bounds: tuple[list[float], list[float]] = ([], [])
+    flat = backends.run(scaling.apply(program, scale), program.constraints, 0.0)
+    attempts.append({**flat.record, "aim": "infimum", "objective": flat.primal * scale.cost})
+    if flat.x is None:
+        return Failed(program.label, tuple(attempts))
+    uppers, best = _uppers(program, scale, margins, solved, attempts)
+    lowers = [-np.inf] * len(margins)
+    for dual_scale in (scale, scaling.balanced(program, scale, flat.x * scale.unknowns, flat.multipliers)):
+        found = _lowers(program, dual_scale, margins, attempts)
+        lowers = found if max(found) > max(lowers) else lowers
+        if best.objective - max(lowers) < 1e-7 * abs(best.objective):
+            break
+    lower = max(lowers)
+    ends = [_limit(margins, side) for side in (lowers, uppers)]
+    value = float(np.mean([end for end in ends if np.isfinite(end)] or [best.objective]))
+    if not lower <= value <= best.objective:
+        value = (lower + best.objective) / 2 if np.isfinite(lower) else best.objective
+    best = Solved(best.values, best.objective, best.check, best.gap, tuple(attempts))
+    return Infimum(value, lower, best.objective, program.values(flat.x * scale.unknowns), best, tuple(attempts))
+
+
+def _uppers(program: Program, scale: scaling.Scaling, margins: tuple, best: Solved, attempts: list) -> tuple:
+    scaled, uppers = scaling.apply(program, scale), []
     for margin in margins:
         raw = backends.run(scaled, program.constraints, margin)
         record = {**raw.record, "aim": "upper", "asked": margin}
+        uppers.append(np.nan)
         if raw.x is not None:
             values = program.values(raw.x * scale.unknowns)
             check = program.check(values)
             record |= {"objective": check.objective, "margin": check.worst}
-            if check.holds and check.objective < best.objective:
-                best = Solved(values, check.objective, check, abs(raw.primal - raw.dual), ())
-        bounds[1].append(record.get("objective", np.nan))
+            if check.holds:
+                uppers[-1] = check.objective
+                if check.objective < best.objective:
+                    best = Solved(values, check.objective, check, abs(raw.primal - raw.dual), ())
         attempts.append(record)
+    return uppers, best
+
+
+def _lowers(program: Program, scale: scaling.Scaling, margins: tuple, attempts: list) -> list[float]:
+    lowers = []
+    for margin in margins:
         multipliers, raw = duality.pushed_inside(program, scale, margin)
-        bound = -np.inf if multipliers is None else duality.lower_bound(program, scale, multipliers)
-        attempts.append({**raw.record, "aim": "lower", "asked": margin, "objective": bound})
-        bounds[0].append(bound)
-        lower = max(lower, bound)
-    raw = backends.run(scaled, program.constraints, 0.0)
-    attempts.append({**raw.record, "aim": "infimum", "objective": raw.primal * scale.cost})
-    if raw.x is None:
-        return Failed(program.label, tuple(attempts))
-    value = float(np.mean([_limit(margins, side) for side in bounds]))
-    if not lower <= value <= best.objective:
-        value = (lower + best.objective) / 2 if np.isfinite(lower) else best.objective
-    best = Solved(best.values, best.objective, best.check, best.gap, tuple(attempts))
-    return Infimum(value, lower, best.objective, program.values(raw.x * scale.unknowns), best, tuple(attempts))
+        lowers.append(-np.inf if multipliers is None else duality.lower_bound(program, scale, multipliers))
+        attempts.append({**raw.record, "aim": "lower", "asked": margin, "objective": lowers[-1]})
+    return lowers
