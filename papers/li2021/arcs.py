@@ -1,0 +1,192 @@
+"""Constant gain variations and the disk: another scaling on every arc of the circle |s + a| = b.
+
+For constant Delta the poles of (10) stay in the disk if they are in it for Delta = 0 and no pole meets the circle:
+it is enough that on every arc, for some diagonal D > 0, M(s)* D M(s) < D with M(s) = Cz (s I - A)^-1 H + Dw. On an arc,
+a finite piece of the circle, that follows from one matrix inequality with Hermitian P and Q >= 0 (generalised
+Kalman-Yakubovich-Popov lemma; T. Iwasaki, S. Hara, IEEE Trans. Automatic Control 50 (2005) 41-59). Only the upper half of
+the circle is needed, the data being real.
+"""
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from scipy.linalg import solve_discrete_are
+from scipy.optimize import brentq, minimize, minimize_scalar
+
+from gainsay.errors import ComputationError
+from papers.li2021.robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop
+
+
+def scaled_norm(log_scale: np.ndarray, M: np.ndarray, power: float) -> tuple[float, np.ndarray]:
+    """Schatten norm of E M E^-1, E = diag(exp(log_scale)), and its gradient in the 25 logarithms; D = E^2."""
+    e = np.exp(log_scale[OF_CHANNEL])
+    scaled = e[:, None] * M / e
+    U, s, Vh = np.linalg.svd(scaled)
+    weight = (s / s[0]) ** power
+    value = s[0] * weight.sum() ** (1 / power)
+    slope = (U * (value / weight.sum() * weight / np.maximum(s, 1e-300))) @ Vh
+    part = np.real(np.conj(slope) * scaled)
+    return value, SPREAD.T @ (part.sum(1) - part.sum(0))
+
+
+def best_scaling(M: np.ndarray, start: np.ndarray | None = None) -> tuple[float, np.ndarray]:
+    """Least largest singular value of E M E^-1 over the scalings, nearly, and the logarithms that give it."""
+    x = np.zeros(MULTIPLIERS) if start is None else start
+    for power in (4, 12, 40, 120):
+        found = minimize(scaled_norm, x, args=(M, power), jac=True, method="L-BFGS-B", options={"maxiter": 300})
+        x = found.x
+    e = np.exp(x[OF_CHANNEL])
+    return float(np.linalg.norm(e[:, None] * M / e, 2)), x
+
+
+def profile(form: Loop, a: float, b: float, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least scaled norm of M on the circle at the given angles, and the scalings (len(angles), 25)."""
+    values, scales, x = [], [], None
+    for angle in angles:
+        value, x = best_scaling(form.response(-a + b * np.exp(1j * angle)), x)
+        values.append(value)
+        scales.append(x)
+    return np.array(values), np.array(scales)
+
+
+def peak(form: Loop, a: float, b: float, nodes: int = 61) -> tuple[float, float]:
+    """Largest value over the circle of the least scaled norm, and the angle where it is found."""
+    angles = np.linspace(0, np.pi, nodes)
+    values, scales = profile(form, a, b, angles)
+    best = (float(values.max()), float(angles[values.argmax()]))
+    for i in range(nodes):
+        left, right = max(i - 1, 0), min(i + 1, nodes - 1)
+        if values[i] < max(values[left], values[right]) or values[i] < 0.9 * values.max():
+            continue
+        found = minimize_scalar(
+            lambda t, i=i: -best_scaling(form.response(-a + b * np.exp(1j * t)), scales[i])[0],
+            bounds=(angles[left], angles[right]),
+            method="bounded",
+            options={"xatol": 1e-4},
+        )
+        best = max(best, (float(-found.fun), float(found.x)))
+    return best
+
+
+def largest_delta(build, a: float, b: float, low: float, high: float) -> tuple[float, float]:
+    """Largest delta_m at which the peak stays below one, and the angle that limits it.
+
+    Parameters
+    ----------
+    build : callable
+        delta_m -> Loop, balanced.
+    a, b : float
+        Centre and radius of the disk.
+    low, high : float
+        Values between which the peak passes one.
+    """
+    if peak(build(low), a, b)[0] >= 1 or peak(build(high), a, b)[0] <= 1:
+        raise ComputationError("disk region", f"the peak does not pass 1 between {low} and {high}")
+    found = brentq(lambda x: peak(build(x), a, b)[0] - 1, low, high, xtol=1e-6)
+    return float(found), peak(build(found), a, b)[1]
+
+
+@dataclass(frozen=True)
+class Arc:
+    """A certified arc: rational half-angle tangents of its ends, multipliers, Hermitian P and Q >= 0 (balanced)."""
+
+    first: tuple[Fraction, bool]
+    last: tuple[Fraction, bool]
+    multipliers: np.ndarray
+    P: np.ndarray
+    Q: np.ndarray
+    margin: float
+
+
+def node(angle: float) -> tuple[Fraction, bool]:
+    """Rational point of the unit circle near an angle in [0, pi]: t = tan(angle / 2), mirrored beyond pi / 2."""
+    mirrored = angle > np.pi / 2
+    return Fraction(round(1e6 * np.tan((np.pi - angle if mirrored else angle) / 2)), 10**6), mirrored
+
+
+def point(place: tuple[Fraction, bool]) -> tuple[Fraction, Fraction]:
+    """Cosine and sine of a node, exactly."""
+    t, mirrored = place
+    c = (1 - t * t) / (1 + t * t)
+    return (-c if mirrored else c), 2 * t / (1 + t * t)
+
+
+def matrix(form: Loop, a: float, b: float, ends, multipliers, P, Q) -> np.ndarray:
+    """Hermitian matrix (39, 39) whose negative definiteness, with Q >= 0, certifies the arc between two nodes."""
+    (c0, s0), (c1, s1) = (tuple(map(float, point(e))) for e in ends)
+    n = (c0 + c1) + 1j * (s0 + s1)
+    level = (c0 + c1) * c1 + (s0 + s1) * s1
+    V = np.hstack([form.A + a * np.eye(12), form.H]) / b
+    J = np.eye(12, 39)
+    Z = np.hstack([form.Cz, form.Dw])
+    D = np.diag(multipliers[OF_CHANNEL])
+    N = V.T @ P @ V - J.T @ P @ J + Z.T @ D @ Z
+    N = N + n * V.T @ Q @ J + np.conj(n) * J.T @ Q @ V - 2 * level * J.T @ Q @ J
+    N[12:, 12:] -= D
+    return (N + N.conj().T) / 2
+
+
+def certify(form: Loop, a: float, b: float, ends, log_scale: np.ndarray, weights=(0, 1, 3, 10, 30, 100)) -> Arc | None:
+    """Certify one arc with a given scaling, or None where no Riccati solution does it."""
+    e = np.exp(log_scale[OF_CHANNEL])
+    d = np.exp(2 * log_scale)
+    D = np.diag(e**2)
+    (c0, s0), (c1, s1) = (tuple(map(float, point(x))) for x in ends)
+    n = (c0 + c1) + 1j * (s0 + s1)
+    level = (c0 + c1) * c1 + (s0 + s1) * s1
+    F, G = (form.A + a * np.eye(12)) / b, form.H / b
+    circle = np.exp(1j * np.linspace(-np.pi, np.pi, 181))
+    X = np.linalg.solve(circle[:, None, None] * np.eye(12) - F, np.broadcast_to(G, (181, *G.shape)))
+    M = form.Cz @ X + form.Dw
+    core = form.Cz.T @ D @ form.Cz
+    V, Z = np.hstack([F, G]), np.hstack([form.Cz, form.Dw])
+    psi = 2 * np.real(np.conj(n) * circle) - 2 * level
+    Xs, Ms = X / e, e[:, None] * M / e
+    base = Ms.conj().swapaxes(1, 2) @ Ms - np.eye(27)
+    extra = Xs.conj().swapaxes(1, 2) @ core @ Xs
+    J = np.eye(12, 39)
+    best = None
+    for weight in weights:
+        top = np.linalg.eigvalsh(base + weight * psi[:, None, None] * extra)[:, -1].max()
+        if top >= 0:
+            continue
+        Q = weight * core + 1e-9 * np.trace(core) / 12 * np.eye(12)
+        rest = Z.T @ D @ Z + n * V.T @ Q @ J + np.conj(n) * J.T @ Q @ V - 2 * level * J.T @ Q @ J
+        rest[12:, 12:] -= D
+        rest = (rest + rest.conj().T) / 2
+        shift = -0.3 * top
+        lift = np.zeros(39)
+        lift[12:] = shift * e**2
+        lift[:12] = shift * 0.1 * np.diag(core)
+        lifted = rest + np.diag(lift)
+        try:
+            P = solve_discrete_are(F, G, lifted[:12, :12], lifted[12:, 12:], s=lifted[:12, 12:])
+        except (np.linalg.LinAlgError, ValueError):
+            continue
+        P = (P + P.conj().T) / 2
+        N = -matrix(form, a, b, ends, d, P, Q)
+        scale = 1 / np.sqrt(np.abs(np.diag(N).real))
+        margin = float(np.linalg.eigvalsh(scale[:, None] * N * scale)[0])
+        if margin > 1e-9 and (best is None or margin > best.margin):
+            best = Arc(*ends, d, P, Q, margin)
+    return best
+
+
+def cover(form: Loop, a: float, b: float, widest: float = 0.4, narrowest: float = 0.004) -> list[Arc]:
+    """Arcs from angle 0 to pi, each certified; raises ComputationError where an arc cannot be."""
+    arcs, angle, width, scale = [], 0.0, widest, None
+    while angle < np.pi:
+        stop = min(angle + width, np.pi)
+        ends = (node(angle), node(stop))
+        middle = form.response(-a + b * np.exp(0.5j * (angle + stop)))
+        value, scale_here = best_scaling(middle, scale)
+        arc = certify(form, a, b, ends, scale_here) if value < 1 else None
+        if arc is None:
+            width /= 1.6
+            if width < narrowest:
+                raise ComputationError("disk region", f"no certificate near angle {angle:.4f}, scaled norm {value:.4f}")
+            continue
+        arcs.append(arc)
+        scale, angle, width = scale_here, stop, min(widest, 1.4 * width)
+    return arcs

@@ -1,0 +1,264 @@
+"""Plant of li2021: rigid microsatellite with flexible appendages, its uncertainty factors and its closed loops.
+
+Every function works in the arithmetic of its input: floats for computing, ``Fraction`` objects where an identity is
+to hold exactly. Equation numbers are those of the paper.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from types import SimpleNamespace
+
+import numpy as np
+
+from gainsay.errors import InputError
+
+SHAPES = {"A": (6, 6), "B": (6, 3), "C": (3, 6)}
+"""Shapes of the gains of (8): controller state 6, measured angles 3, torque 3."""
+
+
+@dataclass(frozen=True)
+class Constants:
+    """What Table 1 prints, in SI units.
+
+    Parameters
+    ----------
+    orbital_rate : number
+        n, rad/s.
+    inertia : tuple of number
+        J10, J20, J30, kg m^2.
+    envelope : tuple of number
+        Perturbation envelopes Delta J_i, kg m^2 (the second one is printed negative).
+    coupling : ndarray, shape (4, 3)
+        F, sqrt(kg) m.
+    frequency, damping : tuple of number
+        Modal frequencies (rad/s) and damping ratios (1).
+    """
+
+    orbital_rate: object
+    inertia: tuple
+    envelope: tuple
+    coupling: np.ndarray
+    frequency: tuple
+    damping: tuple
+
+
+def constants(case, exact: bool = False) -> Constants:
+    """Table 1 of the paper from its tables, as floats or exactly.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    exact : bool, optional
+        ``Fraction`` objects instead of floats.
+    """
+    number: Callable = case.exact if exact else case.number
+    inertia = tuple(number(f"J{i}0") for i in (1, 2, 3))
+    share = tuple(number(f"inertia_share_{i}") for i in (1, 2, 3))
+    F = np.array(case.printed("F").exact, dtype=object) if exact else case.matrix("F")
+    return Constants(
+        orbital_rate=number("orbital_rate"),
+        inertia=inertia,
+        envelope=tuple(j * s for j, s in zip(inertia, share, strict=True)),
+        coupling=F,
+        frequency=tuple(number(f"modal_frequency_{i}") for i in (1, 2, 3, 4)),
+        damping=tuple(number(f"modal_damping_{i}") for i in (1, 2, 3, 4)),
+    )
+
+
+def _like(entries: list, sample) -> np.ndarray:
+    exact = isinstance(sample, Fraction)
+    return np.array(entries, dtype=object) if exact else np.array(entries, dtype=float)
+
+
+def gyroscopic(n, J) -> np.ndarray:
+    """Matrix D of (6) for inertias J (N m s/rad)."""
+    c = n * (J[0] + J[2] - J[1])
+    return _like([[0 * c, 0 * c, -c], [0 * c] * 3, [c, 0 * c, 0 * c]], c)
+
+
+def gravity_gradient(n, J) -> np.ndarray:
+    """Matrix G of (6) for inertias J (N m/rad)."""
+    g = (4 * n * n * (J[1] - J[2]), 3 * n * n * (J[0] - J[2]), n * n * (J[1] - J[0]))
+    return diagonal(g)
+
+
+def diagonal(entries) -> np.ndarray:
+    """Diagonal matrix in the arithmetic of its entries."""
+    zero = entries[0] * 0
+    return _like([[e if i == j else zero for j in range(len(entries))] for i, e in enumerate(entries)], zero)
+
+
+def rate_of_frame(n) -> np.ndarray:
+    """Matrix N-bar of (6) (rad/s): w' = q'' + N-bar q' to first order."""
+    return _like([[0 * n, 0 * n, -n], [0 * n] * 3, [n, 0 * n, 0 * n]], n)
+
+
+def inverse(M: np.ndarray) -> np.ndarray:
+    """Inverse of a 3x3 matrix by cofactors, exact for ``Fraction`` entries."""
+    if M.dtype != object:
+        return np.linalg.inv(M)
+    C = np.empty((3, 3), dtype=object)
+    for i in range(3):
+        for j in range(3):
+            r, s = [k for k in range(3) if k != i], [k for k in range(3) if k != j]
+            minor = M[r[0], s[0]] * M[r[1], s[1]] - M[r[0], s[1]] * M[r[1], s[0]]
+            C[j, i] = minor if (i + j) % 2 == 0 else -minor
+    return C / sum(M[0, k] * C[k, 0] for k in range(3))
+
+
+def _printed_gravity_gradient(n, J) -> np.ndarray:
+    g = gravity_gradient(n, J)
+    g[2, 2] = n * n * J[1] - J[0]  # G0(3,3) as printed: "n^2 J20 - J10", the parentheses are missing
+    return g
+
+
+def uncertainty_factors(k: Constants) -> SimpleNamespace:
+    """Factors of Delta J, Delta D, Delta G with the corrected Gamma_D and Gamma_G.
+
+    Returns
+    -------
+    SimpleNamespace
+        ``XJ`` (3, 3), ``XD`` (3, 6), ``GD`` (6, 3), ``XG`` (3, 6), ``GG`` (6, 3), and the index tuples
+        ``order_D``, ``order_G`` of the delta_i on the diagonals of Delta_D and Delta_G. For every delta,
+        XD Delta_D GD = D(J) - D0 and XG Delta_G GG = G(J) - G0.
+    """
+    n, (d1, d2, d3) = k.orbital_rate, k.envelope
+    o = 0 * d1
+    one = o + 1
+    XD = n * _like([[o, -d1, o, -d3, o, -d2], [o] * 6, [d1, o, d3, o, d2, o]], o)
+    GD = _like([[one, o, one, o, -one, o], [o] * 6, [o, one, o, one, o, -one]], o).T
+    XG = n * n * _like([[d2, o, o, o, -4 * d3, o], [o, o, 3 * d1, 3 * d3, o, o], [o, d2, o, o, o, -d1]], o)
+    GG = _like([[4 * one, o, o, o, one, o], [o, o, one, -one, o, o], [o, one, o, o, o, one]], o).T
+    return SimpleNamespace(
+        XJ=diagonal((d1, d2, d3)), XD=XD, GD=GD, XG=XG, GG=GG, order_D=(0, 0, 2, 2, 1, 1), order_G=(1, 1, 0, 2, 2, 0)
+    )
+
+
+def rigid(k: Constants, delta=(0, 0, 0)) -> SimpleNamespace:
+    """Reduced plant (7): x' = A x + B u + B d~, y = C x, with inertias J_i0 + Delta J_i delta_i in J, D and G alike.
+
+    Returns
+    -------
+    SimpleNamespace
+        ``A`` (6, 6), ``B`` (6, 3) (= B1 = B2), ``C`` (3, 6), ``Minv`` (3, 3), the inverse of J - F^T F.
+    """
+    n, F = k.orbital_rate, k.coupling
+    J = tuple(j + e * d for j, e, d in zip(k.inertia, k.envelope, delta, strict=True))
+    FtF = F.T @ F
+    Minv = inverse(diagonal(J) - FtF)
+    o = 0 * n
+    eye = diagonal((o + 1,) * 3)
+    zero = 0 * eye
+    A = np.block([[zero, eye], [-Minv @ gravity_gradient(n, J), -Minv @ (gyroscopic(n, J) - FtF @ rate_of_frame(n))]])
+    return SimpleNamespace(A=A, B=np.vstack([zero, Minv]), C=np.hstack([eye, zero]), Minv=Minv)
+
+
+def uncertain(k: Constants) -> SimpleNamespace:
+    """Factors of (7): Delta A = L Delta H K, E and W0, without their rows and columns of zeros kept apart.
+
+    Returns
+    -------
+    SimpleNamespace
+        ``L`` (6, 12), ``K`` (12, 6), ``E`` (6, 6), ``W0`` (6, 6).
+    """
+    f = uncertainty_factors(k)
+    Minv = rigid(k).Minv
+    z36, z63, z33 = 0 * f.XG, 0 * f.GG, 0 * Minv
+    return SimpleNamespace(
+        L=np.block([[z36, z36], [-Minv @ f.XG, -Minv @ f.XD]]),
+        K=np.block([[f.GG, z63], [z63, f.GD]]),
+        E=np.block([[z33, z33], [z33, Minv]]),
+        W0=np.block([[z33, z33], [z33, f.XJ]]),
+    )
+
+
+def flexible(k: Constants, delta=(0, 0, 0)) -> SimpleNamespace:
+    """Full plant (6) in the state (q, q', eta, eta'), 14 states; input u + d.
+
+    Returns
+    -------
+    SimpleNamespace
+        ``A`` (14, 14), ``B`` (14, 3), ``C`` (3, 14).
+
+    Notes
+    -----
+    The mass matrix [[J, F^T], [F, I]] is inverted by its Schur complement J - F^T F.
+    """
+    from gainsay.dynamics.flexible import FlexibleBody
+
+    n = k.orbital_rate
+    J = tuple(j + e * d for j, e, d in zip(k.inertia, k.envelope, delta, strict=True))
+    body = FlexibleBody(
+        inertia=diagonal(J),
+        coupling=k.coupling,
+        frequency=np.array(k.frequency),
+        damping=np.array(k.damping),
+        gyroscopic=gyroscopic(n, J),
+        stiffness=gravity_gradient(n, J),
+        frame_rate=rate_of_frame(n),
+    )
+    A, B = body.state_space()
+    C = np.hstack([np.eye(3), np.zeros((3, 11))])
+    return SimpleNamespace(A=A, B=B, C=C)
+
+
+def controller(case, name: str) -> SimpleNamespace:
+    """Printed gains of (8): ``proposed``, or ``comparison`` (the paper's reference [39]).
+
+    Raises
+    ------
+    gainsay.errors.InputError
+        On another name, or on a matrix of another shape than 6x6, 6x3, 3x6.
+    """
+    suffix = {"proposed": "", "comparison": "39"}.get(name)
+    if suffix is None:
+        raise InputError(field="controller", value=name, expected="proposed or comparison")
+    gains = {letter: case.matrix(f"{letter}f{suffix}") for letter in "ABC"}
+    check_gains(gains["A"], gains["B"], gains["C"])
+    return SimpleNamespace(**gains)
+
+
+def check_gains(A, B, C) -> None:
+    """Refuse gains of another shape than 6x6, 6x3, 3x6, or with an entry that is not finite."""
+    for letter, value in zip("ABC", (A, B, C), strict=True):
+        if np.shape(value) != SHAPES[letter]:
+            rows, columns = SHAPES[letter]
+            shape = "x".join(map(str, np.shape(value)))
+            raise InputError(field=f"{letter}_f", value=shape, expected=f"a {rows}x{columns} matrix")
+        if value.dtype != object and not np.all(np.isfinite(value)):
+            raise InputError(f"{letter}_f has an entry that is not finite", expected="finite gains")
+
+
+def closed_loop(plant, gains, fa=None, fb=None, fc=None) -> np.ndarray:
+    """State matrix of (10) with gain factors: A_f diag(fa), B_f diag(fb), diag(fc) C_f as in (9).
+
+    Parameters
+    ----------
+    plant : namespace with A, B, C
+        `rigid` or `flexible`.
+    gains : namespace with A, B, C
+    fa, fb, fc : ndarray, shapes (..., 6), (..., 3), (..., 3), optional
+        Factors (1 + delta); leading axes give a stack of loops.
+
+    Returns
+    -------
+    ndarray, shape (..., n + 6, n + 6)
+    """
+    check_gains(gains.A, gains.B, gains.C)
+    fa = np.ones(6) if fa is None else np.asarray(fa)
+    fb = np.ones(3) if fb is None else np.asarray(fb)
+    fc = np.ones(3) if fc is None else np.asarray(fc)
+    lead = np.broadcast_shapes(fa.shape[:-1], fb.shape[:-1], fc.shape[:-1], plant.A.shape[:-2])
+    m = plant.A.shape[-1]
+    loop = np.empty((*lead, m + 6, m + 6), dtype=plant.A.dtype)
+    loop[..., :m, :m] = plant.A
+    loop[..., :m, m:] = plant.B @ (fc[..., :, None] * gains.C)
+    loop[..., m:, :m] = (gains.B * fb[..., None, :]) @ plant.C
+    loop[..., m:, m:] = gains.A * fa[..., None, :]
+    return loop
+
+
+def disturbance(case, k: Constants) -> np.ndarray:
+    """Table 1's disturbance d(t) = D [cos n t, sin n t, 1], shape (3, 3), N m; nominal inertias."""
+    return case.number("disturbance_amplitude") * np.array(k.inertia, dtype=float)[:, None] * case.matrix("disturbance")

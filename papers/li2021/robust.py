@@ -1,0 +1,179 @@
+"""Robustness of (10) to gain variation and inertia at once: linear fractional form, and conditions that certify it.
+
+With xi = (x, x_f) the loop (10) is xi' = A xi + H w + B d~, z = Cz xi + Dw w + Dd d~, w = Delta z, Delta diagonal and
+bounded by one: six channels for F_1, three for F_2, three for F_3, three for Delta J (one multiplier for the three,
+so that the paper's bound ||e|| <= ||W0 x'|| is covered as well), twelve for Delta H. Each requirement of the paper gets
+a Lyapunov matrix and multipliers of its own, which the paper's conditions do not allow.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_continuous_lyapunov, solve_discrete_are
+
+from gainsay.errors import ComputationError
+from gainsay.lmi import BlockMatrix, Program, affine, diagonal, positive, scalar, symmetric
+from papers.li2021 import plant
+
+CHANNELS = 27
+MULTIPLIERS = 25
+#: multiplier that each channel uses
+OF_CHANNEL = np.array([*range(12), 12, 12, 12, *range(13, 25)])
+SPREAD = np.eye(MULTIPLIERS)[OF_CHANNEL]
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Linear fractional form of the closed loop; arrays as in the module's docstring, C the measured angles."""
+
+    A: np.ndarray
+    H: np.ndarray
+    B: np.ndarray
+    Cz: np.ndarray
+    Dw: np.ndarray
+    Dd: np.ndarray
+    C: np.ndarray
+    T: np.ndarray
+    channel: np.ndarray
+
+    def balanced(self) -> "Loop":
+        """The same loop with states in units of a Lyapunov factor and every channel's two sides alike.
+
+        xi = T xi_b; channel i scaled by c_i on both sides, so multipliers change by c_i^2.
+        """
+        drive = self.H / np.maximum(np.linalg.norm(self.H, axis=0), 1e-300)
+        W = solve_continuous_lyapunov(self.A, -(drive @ drive.T + self.B @ self.B.T + 1e-6 * np.eye(len(self.A))))
+        T = np.linalg.cholesky(W)
+        inv = np.linalg.inv(T)
+        Cz, H = self.Cz @ T, inv @ self.H
+        c = np.sqrt(np.maximum(np.linalg.norm(Cz, axis=1), 1e-12) / np.linalg.norm(H, axis=0))
+        c[12:15] = np.exp(np.mean(np.log(c[12:15])))
+        return Loop(
+            A=inv @ self.A @ T,
+            H=H * c,
+            B=inv @ self.B,
+            Cz=Cz / c[:, None],
+            Dw=self.Dw * c / c[:, None],
+            Dd=self.Dd / c[:, None],
+            C=self.C @ T,
+            T=T,
+            channel=c,
+        )
+
+    def response(self, z: complex) -> np.ndarray:
+        """Matrix Cz (z I - A)^-1 H + Dw, shape (27, 27)."""
+        return self.Cz @ np.linalg.solve(z * np.eye(len(self.A)) - self.A, self.H) + self.Dw
+
+
+def loop(k: plant.Constants, gains, delta_m: float) -> Loop:
+    """Linear fractional form of (10) for gains and a bound on the gain variation.
+
+    Parameters
+    ----------
+    k : Constants
+    gains : namespace with A, B, C
+    delta_m : float
+        Bound on the twelve gain variations of (9).
+    """
+    nominal, factors = plant.rigid(k), plant.uncertain(k)
+    A = plant.closed_loop(nominal, gains)
+    zero = np.zeros
+    H = np.hstack(
+        [
+            np.vstack([zero((6, 6)), gains.A]),
+            np.vstack([zero((6, 3)), gains.B]),
+            np.vstack([nominal.B, zero((6, 3))]),
+            np.vstack([-factors.E[:, 3:], zero((6, 3))]),
+            np.vstack([factors.L, zero((6, 12))]),
+        ]
+    )
+    B = np.vstack([nominal.B, zero((6, 3))])
+    C = np.hstack([nominal.C, zero((3, 6))])
+    accelerate = np.hstack([np.abs(factors.W0[3:]), zero((3, 6))])
+    Cz = np.vstack(
+        [
+            delta_m * np.hstack([zero((6, 6)), np.eye(6)]),
+            delta_m * C,
+            delta_m * np.hstack([zero((3, 6)), gains.C]),
+            accelerate @ A,
+            np.hstack([factors.K, zero((12, 6))]),
+        ]
+    )
+    Dw, Dd = zero((CHANNELS, CHANNELS)), zero((CHANNELS, 3))
+    Dw[12:15], Dd[12:15] = accelerate @ H, accelerate @ B
+    return Loop(A=A, H=H, B=B, Cz=Cz, Dw=Dw, Dd=Dd, C=C, T=np.eye(12), channel=np.ones(CHANNELS))
+
+
+def _multipliers(form: BlockMatrix | None = None):
+    parts = [positive(f"d{i}") for i in range(MULTIPLIERS)]
+    D = affine(np.zeros((CHANNELS, CHANNELS)))
+    for i, part in enumerate(parts):
+        D = D + part * np.diag(SPREAD[:, i])
+    return parts, D
+
+
+def disk_program(form: Loop, a: float, b: float) -> Program:
+    """One P and D for the disk: [A+aI H]'P[A+aI H] - b^2 diag(P, 0) + [Cz Dw]'D[Cz Dw] - diag(0, D) < 0."""
+    P, (_, D) = symmetric("P", 12), _multipliers()
+    V = np.hstack([form.A + a * np.eye(12), form.H])
+    Z = np.hstack([form.Cz, form.Dw])
+    whole = V.T @ P @ V + Z.T @ D @ Z
+    F = BlockMatrix("disk", "state", "channel")
+    F["state", "state"] = whole[:12, :12] - b * b * P
+    F["state", "channel"] = whole[:12, 12:]
+    F["channel", "channel"] = whole[12:, 12:] - D
+    return Program(subject_to=[F < 0, (P > 0).named("P > 0")], label="disk")
+
+
+def norm_program(form: Loop, gamma: float | None = None) -> Program:
+    """Norm from d~ to y below gamma (its square is minimised where gamma is None), for all time-varying Delta."""
+    P, (_, D) = symmetric("P", 12), _multipliers()
+    square = scalar("g2") if gamma is None else affine(np.array([[gamma**2]]))
+    V = np.hstack([form.A, form.H, form.B])
+    Z = np.hstack([form.Cz, form.Dw, form.Dd])
+    top = P @ V
+    whole = Z.T @ D @ Z
+    F = BlockMatrix("norm", "state", "channel", "disturbance")
+    F["state", "state"] = top[:, :12] + top[:, :12].T + whole[:12, :12] + form.C.T @ form.C
+    F["state", "channel"] = top[:, 12:39] + whole[:12, 12:39]
+    F["state", "disturbance"] = top[:, 39:] + whole[:12, 39:]
+    F["channel", "channel"] = whole[12:39, 12:39] - D
+    F["channel", "disturbance"] = whole[12:39, 39:]
+    F["disturbance", "disturbance"] = whole[39:, 39:] - square * np.eye(3)
+    return Program(
+        minimise=square if gamma is None else None, subject_to=[F < 0, (P > 0).named("P > 0")], label="norm"
+    )
+
+
+def torque_program(form: Loop, output: np.ndarray, start: np.ndarray) -> Program:
+    """Least start' P start with P >= output' output and P a Lyapunov matrix for all time-varying Delta, d~ = 0.
+
+    Parameters
+    ----------
+    form : Loop
+    output : ndarray, shape (3, 12)
+        (1 + delta_m) [0 C_f] in the loop's coordinates.
+    start : ndarray, shape (12,)
+        xi(0) in the loop's coordinates.
+    """
+    P, (_, D) = symmetric("P", 12), _multipliers()
+    V, Z = np.hstack([form.A, form.H]), np.hstack([form.Cz, form.Dw])
+    top, whole = P @ V, Z.T @ D @ Z
+    F = BlockMatrix("torque", "state", "channel")
+    F["state", "state"] = top[:, :12] + top[:, :12].T + whole[:12, :12]
+    F["state", "channel"] = top[:, 12:] + whole[:12, 12:]
+    F["channel", "channel"] = whole[12:, 12:] - D
+    x = start[:, None]
+    return Program(
+        minimise=x.T @ P @ x, subject_to=[F < 0, (P > output.T @ output).named("P > K'K")], label="torque"
+    )
+
+
+def original(form: Loop, values: dict) -> tuple[np.ndarray, np.ndarray]:
+    """P and the 25 multipliers of a solution in balanced coordinates, back in those of the paper."""
+    inv = np.linalg.inv(form.T)
+    P = inv.T @ values["P"] @ inv
+    d = np.array([values[f"d{i}"] for i in range(MULTIPLIERS)])
+    c = np.zeros(MULTIPLIERS)
+    c[OF_CHANNEL] = form.channel
+    return (P + P.T) / 2, d / c**2

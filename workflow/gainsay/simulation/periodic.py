@@ -1,0 +1,206 @@
+"""Linear systems with periodic or piecewise constant gains, without stepping through every period.
+
+x' = A(t) x with A(t + T) = A(t): the fundamental matrices over one period (fourth-order Magnus steps) and their
+product, the monodromy matrix, give the state at every node of every period by matrix products. Sinusoidal
+disturbances are states of their own (`with_oscillators`), so that no input is ever interpolated.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.optimize import minimize_scalar
+
+from gainsay.errors import InputError
+
+_GAUSS = np.sqrt(3) / 6
+
+
+def magnus_step(A: Callable, t: float, h: float) -> np.ndarray:
+    """Fundamental matrix of x' = A(t) x from t to t + h, fourth-order Magnus at the two Gauss points.
+
+    Parameters
+    ----------
+    A : callable
+        t -> ndarray, shape (n, n).
+    t, h : float
+        Start and length of the step, s; h may be zero.
+
+    References
+    ----------
+    S. Blanes, F. Casas, J. A. Oteo, J. Ros, The Magnus expansion and some of its applications, Phys. Rep. 470 (2009).
+    """
+    first, second = A(t + (0.5 - _GAUSS) * h), A(t + (0.5 + _GAUSS) * h)
+    commutator = second @ first - first @ second
+    return expm(0.5 * h * (first + second) + np.sqrt(3) / 12 * h * h * commutator)
+
+
+def with_oscillators(A: np.ndarray, shapes: np.ndarray, rate: float) -> np.ndarray:
+    """State matrix of x' = A x + shapes [cos(rate t), sin(rate t), 1] with the three signals as further states.
+
+    Parameters
+    ----------
+    A : ndarray, shape (n, n)
+    shapes : ndarray, shape (n, 3)
+        How the three signals enter.
+    rate : float
+        rad/s.
+
+    Returns
+    -------
+    ndarray, shape (n + 3, n + 3)
+        The further states start from (1, 0, 1).
+    """
+    n = A.shape[0]
+    if A.shape != (n, n) or shapes.shape != (n, 3):
+        raise InputError(field="shapes", value=shapes.shape, expected=f"shape ({n}, 3) beside a square A")
+    whole = np.zeros((n + 3, n + 3))
+    whole[:n, :n] = A
+    whole[:n, n:] = shapes
+    whole[n, n + 1], whole[n + 1, n] = -rate, rate
+    return whole
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """Largest value of a function along a solution: when, how large, and the state there."""
+
+    time: float
+    value: float
+    state: np.ndarray
+
+
+class PeriodicSolution:
+    """Solution of x' = A(t) x, A(t + T) = A(t), on [0, periods * T].
+
+    Parameters
+    ----------
+    A : callable
+        t -> ndarray, shape (n, n), periodic.
+    period : float
+        T, s.
+    start : ndarray, shape (n,)
+        x(0).
+    periods : int
+        Number of periods.
+    steps : int, optional
+        Magnus steps a period.
+
+    Attributes
+    ----------
+    times : ndarray, shape (periods * steps + 1,)
+    states : ndarray, shape (periods * steps + 1, n)
+    monodromy : ndarray, shape (n, n)
+        Fundamental matrix over one period; its eigenvalues are the Floquet multipliers.
+    """
+
+    def __init__(self, A: Callable, period: float, start: np.ndarray, periods: int, steps: int = 40) -> None:
+        if not period > 0 or periods < 1 or steps < 1:
+            raise InputError("period, periods and steps must be positive", value=(period, periods, steps))
+        self.A, self.period, self.step = A, float(period), float(period) / steps
+        n = len(start)
+        maps = np.empty((steps, n, n))
+        total = np.eye(n)
+        for j in range(steps):
+            maps[j] = total
+            total = magnus_step(A, j * self.step, self.step) @ total
+        self.monodromy = total
+        starts = np.empty((periods + 1, n))
+        starts[0] = start
+        for k in range(periods):
+            starts[k + 1] = total @ starts[k]
+        inner = np.einsum("jab,kb->kja", maps, starts[:-1], optimize=True)
+        self.states = np.vstack([inner.reshape(periods * steps, n), starts[-1]])
+        self.times = np.arange(periods * steps + 1) * self.step
+
+    def state(self, t: float) -> np.ndarray:
+        """State at any time of the interval: one Magnus step of less than a full one from the node before."""
+        if not 0 <= t <= self.times[-1] + 1e-9 * self.period:
+            raise InputError(field="t", value=t, expected=f"0..{self.times[-1]}")
+        j = min(int(t / self.step), len(self.times) - 1)
+        rest = t - self.times[j]
+        return magnus_step(self.A, self.times[j] % self.period, rest) @ self.states[j]
+
+    def largest(self, function: Callable, after: float = 0.0) -> Extreme:
+        """Largest value over continuous time of a function of the state.
+
+        Parameters
+        ----------
+        function : callable
+            (t, x) -> value for one time and state, or arrays (K,), (K, n) -> (K,).
+        after : float, optional
+            Only from this time on, s.
+
+        Notes
+        -----
+        Every local maximum of the nodes that comes within 5 % of the largest is refined by Brent's method between its
+        neighbours; a peak narrower than two steps could be missed, so the steps must resolve the fastest motion.
+        """
+        keep = self.times >= after - 1e-12
+        t, values = self.times[keep], np.asarray(function(self.times[keep], self.states[keep]))
+        best = int(np.argmax(values))
+        top = Extreme(float(t[best]), float(values[best]), self.states[keep][best])
+        floor = values[best] - 0.05 * abs(values[best])
+        inner = (values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:]) & (values[1:-1] >= floor)
+        for i in np.flatnonzero(inner) + 1:
+            found = minimize_scalar(
+                lambda s: -float(function(s, self.state(s))),
+                bounds=(t[i - 1], t[i + 1]),
+                method="bounded",
+                options={"xatol": 1e-10},
+            )
+            if -found.fun > top.value:
+                top = Extreme(float(found.x), float(-found.fun), self.state(float(found.x)))
+        return top
+
+    def last_exit(self, function: Callable, level: float) -> float:
+        """Last time at which a function of the state is above a level (0 where it never is), s.
+
+        Located between nodes by bisection to 1e-9 of a step.
+        """
+        above = np.flatnonzero(np.asarray(function(self.times, self.states)) > level)
+        if len(above) == 0:
+            return 0.0
+        if above[-1] == len(self.times) - 1:
+            return float(self.times[-1])
+        low, high = self.times[above[-1]], self.times[above[-1] + 1]
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            if float(function(middle, self.state(middle))) > level:
+                low = middle
+            else:
+                high = middle
+        return float(high)
+
+
+def held(loops: np.ndarray, hold: float, start: np.ndarray, inner: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """Solution of x' = A_k x on [k hold, (k + 1) hold): gains redrawn and held, exact at every node.
+
+    Parameters
+    ----------
+    loops : ndarray, shape (K, n, n)
+        State matrices, one an interval.
+    hold : float
+        Length of an interval, s.
+    start : ndarray, shape (n,)
+    inner : int, optional
+        Nodes an interval.
+
+    Returns
+    -------
+    times : ndarray, shape (K * inner + 1,)
+    states : ndarray, shape (K * inner + 1, n)
+    """
+    if not hold > 0 or inner < 1:
+        raise InputError("hold and inner must be positive", value=(hold, inner))
+    step = hold / inner
+    states = np.empty((len(loops) * inner + 1, len(start)))
+    states[0] = start
+    row = 0
+    for block in np.array_split(loops, max(1, len(loops) // 500)):
+        for one in expm(block * step):
+            for _ in range(inner):
+                states[row + 1] = one @ states[row]
+                row += 1
+    return np.arange(len(states)) * step, states
