@@ -1,0 +1,128 @@
+"""LMI bounds on a constant delay: the Bessel-Legendre hierarchy.
+
+References
+----------
+A. Seuret, F. Gouaisbaut, Hierarchy of LMI conditions for the stability analysis of time-delay systems, Systems &
+Control Letters 81 (2015) 1-7, theorem 5. Degree 0 is Jensen's inequality, degree 1 Wirtinger's.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from gainsay.errors import ComputationError, InputError
+from gainsay.lmi import Affine, Definite, Infimum, Program, block_diagonal, equal, infimum, scalar, sym, symmetric, trace
+
+
+@dataclass(frozen=True)
+class DelayCondition:
+    """Matrix inequalities that prove x' = A x + Ad x(t - h) stable; unknowns P, S, R.
+
+    Attributes
+    ----------
+    derivative : Affine, shape ((2 + N) n, (2 + N) n)
+        Negative definite: the functional decreases, in (x, x(t - h), 1/h int L_0 x, ..., 1/h int L_{N-1} x).
+    functional : Affine, shape ((1 + N) n, (1 + N) n)
+        Positive definite: the functional is positive.
+    weights : tuple of Affine
+        S and R, positive definite.
+    """
+
+    derivative: Affine
+    functional: Affine
+    weights: tuple[Affine, ...]
+
+    @property
+    def blocks(self) -> tuple[Affine, ...]:
+        """Every matrix that is to be positive definite."""
+        return (-self.derivative, self.functional, *self.weights)
+
+
+def legendre_slopes(degree: int, k: int) -> np.ndarray:
+    """Coefficients gamma^i_k of int L_k(u) x'(t + u) du = x(t) - (-1)^k x(t - h) + sum_i gamma^i_k (1/h) int L_i x.
+
+    Returns
+    -------
+    ndarray, shape (degree,)
+        -(2 i + 1)(1 - (-1)^(k + i)) for i < k, else 0.
+    """
+    i = np.arange(degree)
+    return np.where(i < k, -(2 * i + 1) * (1 - (-1.0) ** (k + i)), 0.0)
+
+
+def bessel_legendre(A: np.ndarray, Ad: np.ndarray, delay: float, degree: int) -> DelayCondition:
+    """Condition with Legendre polynomials up to a degree under x'.
+
+    Parameters
+    ----------
+    A, Ad : ndarray, shape (n, n)
+    delay : float
+        h, s, positive.
+    degree : int
+        N >= 0.
+    """
+    n = len(A)
+    if delay <= 0 or degree < 0:
+        raise InputError("", field="delay, degree", value=(delay, degree), expected="delay > 0 s, degree >= 0")
+    h, N, eye = delay, degree, np.eye(n)
+    P, S, R = symmetric("P", (1 + N) * n), symmetric("S", n), symmetric("R", n)
+    slope = np.hstack([A, Ad, np.zeros((n, N * n))])
+    moments = [
+        np.hstack([eye, -((-1.0) ** k) * eye, *(g * eye for g in legendre_slopes(N, k))]) for k in range(N + 1)
+    ]
+    state = np.zeros(((1 + N) * n, (2 + N) * n))
+    state[:n, :n] = eye
+    state[n:, 2 * n :] = h * np.eye(N * n)
+    rate = np.vstack([slope, *moments[:N]])
+    derivative = sym(state.T @ P @ rate) + h**2 * (slope.T @ R @ slope)
+    derivative = derivative + block_diagonal(S, -S, *([np.zeros((N * n, N * n))] if N else []))
+    for k, moment in enumerate(moments):
+        derivative = derivative - (2 * k + 1) * (moment.T @ R @ moment)
+    functional = P + (1 / h) * block_diagonal(np.zeros((n, n)), *((2 * k + 1) * S for k in range(N)))
+    return DelayCondition(derivative, functional, (S, R))
+
+
+def level(condition: DelayCondition) -> Infimum:
+    """Largest t with every block >= t I while all traces add to one: positive exactly if the condition is feasible.
+
+    Returns
+    -------
+    Infimum
+        Of -t.
+
+    Raises
+    ------
+    ComputationError
+        If the solver gave no checked enclosure.
+    """
+    t = scalar("t")
+    total = sum((trace(block) for block in condition.blocks[1:]), trace(condition.blocks[0]))
+    held: list = [
+        Definite(f"block {i}", block - t * np.eye(block.shape[0])) for i, block in enumerate(condition.blocks)
+    ]
+    found = infimum(Program(minimise=-t, subject_to=[*held, equal(total, 1.0, "traces")], label="delay condition"))
+    if not isinstance(found, Infimum):
+        raise ComputationError("delay condition", f"{type(found).__name__.lower()}", found.attempts)
+    return found
+
+
+def first_failure(measure: Callable[[float], float], low: float, high: float, precision: float = 1e-9) -> float:
+    """Delay at which a measure that is positive at `low` and negative at `high` changes sign, s."""
+    if not measure(low) > 0 > measure(high):
+        raise ComputationError("delay bound", f"no change of sign between {low:g} and {high:g} s")
+    return float(brentq(measure, low, high, xtol=precision, rtol=1e-12))
+
+
+def bessel_legendre_delay(A: np.ndarray, Ad: np.ndarray, degree: int, low: float, high: float) -> float:
+    """Largest constant delay up to which the condition of a degree holds, s.
+
+    Parameters
+    ----------
+    A, Ad : ndarray, shape (n, n)
+    degree : int
+    low, high : float
+        Delays at which it holds and fails, s.
+    """
+    return first_failure(lambda h: -level(bessel_legendre(A, Ad, h, degree)).value, low, high)
