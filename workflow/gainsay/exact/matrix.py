@@ -1,0 +1,325 @@
+"""One matrix type over three rings: rationals, balls, and polynomials with rational coefficients.
+
+The ring of a result is the smallest that holds it: rational op rational stays rational, rational op ball is a ball
+(at the precision in force), rational op polynomial is a polynomial. Balls and polynomials do not mix.
+A number is a matrix of shape (1, 1).
+"""
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, arb_mat, fmpq, fmpq_mat, fmpq_mpoly
+
+from gainsay.exact.rational import rational_matrix, to_fmpq
+
+__all__ = ["Matrix", "RingError", "block", "diagonal", "eye", "kron", "zeros"]
+
+RATIONAL, BALL, POLYNOMIAL = "rational", "ball", "polynomial"
+
+
+class RingError(ValueError):
+    """An operation that the shapes or the rings of its operands do not allow."""
+
+
+class Matrix:
+    """Matrix over one of the three rings.
+
+    Parameters
+    ----------
+    data : fmpq_mat, arb_mat or sequence of rows of fmpq_mpoly
+        The entries; the ring follows from the type.
+    """
+
+    __slots__ = ("data", "ring", "shape")
+
+    def __init__(self, data: Any) -> None:
+        self.data = data
+        if isinstance(data, fmpq_mat):
+            self.ring, self.shape = RATIONAL, (data.nrows(), data.ncols())
+        elif isinstance(data, arb_mat):
+            self.ring, self.shape = BALL, (data.nrows(), data.ncols())
+        else:
+            self.data = [list(row) for row in data]
+            self.ring, self.shape = POLYNOMIAL, (len(self.data), len(self.data[0]) if self.data else 0)
+
+    @classmethod
+    def number(cls, value: object) -> "Matrix":
+        """Number of any ring as a matrix of shape (1, 1)."""
+        if isinstance(value, arb):
+            return cls(arb_mat([[value]]))
+        if isinstance(value, fmpq_mpoly):
+            return cls([[value]])
+        return cls(fmpq_mat(1, 1, [to_fmpq(value)]))
+
+    @classmethod
+    def of(cls, rows: Sequence[Sequence[object]]) -> "Matrix":
+        """Rational matrix of nested sequences of texts, fractions, integers or floats (taken as binary numbers)."""
+        return cls(rational_matrix(rows))
+
+    @property
+    def is_number(self) -> bool:
+        """Whether the shape is (1, 1)."""
+        return self.shape == (1, 1)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the ring is that of the rationals."""
+        return self.ring == RATIONAL
+
+    def entry(self, i: int, j: int) -> Any:
+        """Entry (i, j), counted from 0, as an element of the ring."""
+        return self.data[i][j] if self.ring == POLYNOMIAL else self.data[i, j]
+
+    def rows(self) -> list[list[Any]]:
+        """Entries as nested lists of ring elements."""
+        return [list(row) for row in self.data] if self.ring == POLYNOMIAL else self.data.tolist()
+
+    def value(self) -> Fraction:
+        """Exact value of a rational number.
+
+        Raises
+        ------
+        RingError
+            If this is no rational number.
+        """
+        if self.ring != RATIONAL or not self.is_number:
+            raise RingError(f"expected a rational number, found a {self.ring} of shape {self.shape}")
+        entry = self.data[0, 0]
+        return Fraction(int(entry.p), int(entry.q))
+
+    def to_ball(self) -> "Matrix":
+        """Enclose the entries in balls at the precision in force."""
+        if self.ring == POLYNOMIAL:
+            raise RingError("a polynomial has no enclosure")
+        return self if self.ring == BALL else Matrix(arb_mat(self.data))
+
+    def to_polynomial(self, context: Any) -> "Matrix":
+        """Write the entries as constant polynomials."""
+        if self.ring == BALL:
+            raise RingError("balls and indeterminates do not mix: an identity or a Farkas proof needs rationals")
+        if self.ring == POLYNOMIAL:
+            return self
+        return Matrix([[context.constant(x) for x in row] for row in self.data.tolist()])
+
+    def _pair(self, other: "Matrix") -> tuple["Matrix", "Matrix"]:
+        if self.ring == other.ring:
+            return self, other
+        if POLYNOMIAL in (self.ring, other.ring):
+            context = (self if self.ring == POLYNOMIAL else other).entry(0, 0).context()
+            return self.to_polynomial(context), other.to_polynomial(context)
+        return self.to_ball(), other.to_ball()
+
+    def _entrywise(self, other: "Matrix", operate: Callable[[Any, Any], Any]) -> "Matrix":
+        if self.shape != other.shape:
+            raise RingError(f"shapes {self.shape} and {other.shape} do not add")
+        a, b = self._pair(other)
+        if a.ring != POLYNOMIAL:
+            return Matrix(operate(a.data, b.data))
+        lines = zip(a.data, b.data, strict=True)
+        return Matrix([[operate(x, y) for x, y in zip(p, q, strict=True)] for p, q in lines])
+
+    def __add__(self, other: "Matrix") -> "Matrix":
+        return self._entrywise(other, lambda x, y: x + y)
+
+    def __sub__(self, other: "Matrix") -> "Matrix":
+        return self._entrywise(other, lambda x, y: x - y)
+
+    def __neg__(self) -> "Matrix":
+        return self.scaled(Matrix.number(-1))
+
+    def scaled(self, factor: "Matrix") -> "Matrix":
+        """Multiply by a number."""
+        if not factor.is_number:
+            raise RingError(f"factor of shape {factor.shape} where a number is expected")
+        if self.ring == POLYNOMIAL or factor.ring == POLYNOMIAL:
+            if BALL in (self.ring, factor.ring):
+                raise RingError("balls and indeterminates do not mix: an identity or a Farkas proof needs rationals")
+            number = factor.entry(0, 0)
+            if self.ring == POLYNOMIAL:
+                return Matrix([[x * number for x in row] for row in self.data])
+            return Matrix([[number * x for x in row] for row in self.data.tolist()])
+        a, b = self._pair(factor)
+        return Matrix(a.data * b.data[0, 0])
+
+    def __mul__(self, other: "Matrix") -> "Matrix":
+        if other.is_number:
+            return self.scaled(other)
+        if self.is_number:
+            return other.scaled(self)
+        raise RingError(f"product * of shapes {self.shape} and {other.shape}: matrices multiply with @")
+
+    def __matmul__(self, other: "Matrix") -> "Matrix":
+        if self.shape[1] != other.shape[0]:
+            raise RingError(f"shapes {self.shape} and {other.shape} do not multiply")
+        if POLYNOMIAL not in (self.ring, other.ring):
+            a, b = self._pair(other)
+            return Matrix(a.data * b.data)
+        if BALL in (self.ring, other.ring):
+            raise RingError("balls and indeterminates do not mix: an identity or a Farkas proof needs rationals")
+        context = (self if self.ring == POLYNOMIAL else other).entry(0, 0).context()
+        zero = context.constant(0)
+        left = [[(k, x) for k, x in enumerate(row) if x != 0] for row in self.rows()]
+        right = other.rows()
+        result = []
+        for row in left:
+            line = [zero] * other.shape[1]
+            for k, x in row:
+                for j, y in enumerate(right[k]):
+                    if y != 0:
+                        line[j] = line[j] + x * y
+            result.append(line)
+        return Matrix(result)
+
+    def over(self, other: "Matrix") -> "Matrix":
+        """Divide by a number that is no polynomial and provably not zero."""
+        if not other.is_number:
+            raise RingError(f"division by a matrix of shape {other.shape}")
+        number = other.entry(0, 0)
+        if other.ring == POLYNOMIAL:
+            if not number.is_constant():
+                raise RingError("division by an indeterminate")
+            number = number.leading_coefficient() if number != 0 else fmpq(0)
+            other = Matrix.number(number)
+        if (other.ring == RATIONAL and number == 0) or (other.ring == BALL and number.contains(0)):
+            raise RingError("division by a number that is or may be zero")
+        return self.scaled(Matrix.number(1 / number))
+
+    @property
+    def T(self) -> "Matrix":
+        """Transpose."""
+        if self.ring == POLYNOMIAL:
+            return Matrix([list(column) for column in zip(*self.data, strict=True)])
+        return Matrix(self.data.transpose())
+
+    def power(self, exponent: int) -> "Matrix":
+        """Non-negative integer power of a number or a square matrix."""
+        if self.shape[0] != self.shape[1] or exponent < 0:
+            raise RingError(f"power {exponent} of shape {self.shape}")
+        result = eye(self.shape[0])
+        for _ in range(exponent):
+            result = result @ self
+        return result
+
+    def inverse(self) -> "Matrix":
+        """Inverse of a square matrix of rationals or balls.
+
+        Raises
+        ------
+        RingError
+            If it is singular, or not provably regular, or holds indeterminates.
+        """
+        if self.ring == POLYNOMIAL or self.shape[0] != self.shape[1]:
+            raise RingError(f"no inverse of a {self.ring} matrix of shape {self.shape}")
+        try:
+            return Matrix(self.data.inv())
+        except ZeroDivisionError as error:
+            raise RingError("inverse of a matrix that is singular or not provably regular") from error
+
+    def trace(self) -> "Matrix":
+        """Sum of the diagonal."""
+        if self.shape[0] != self.shape[1]:
+            raise RingError(f"trace of shape {self.shape}")
+        total = Matrix.number(0)
+        for i in range(self.shape[0]):
+            total = total + Matrix.number(self.entry(i, i))
+        return total
+
+    def take(self, rows: Sequence[int], columns: Sequence[int]) -> "Matrix":
+        """Sub-matrix of the rows and columns named, counted from 0."""
+        if any(not 0 <= i < self.shape[0] for i in rows) or any(not 0 <= j < self.shape[1] for j in columns):
+            raise RingError(f"rows {list(rows)}, columns {list(columns)} of shape {self.shape}")
+        if not rows or not columns:
+            raise RingError("a sub-matrix without entries")
+        entries = self.rows()
+        picked = [[entries[i][j] for j in columns] for i in rows]
+        if self.ring == POLYNOMIAL:
+            return Matrix(picked)
+        return Matrix(arb_mat(picked) if self.ring == BALL else rational_matrix(picked))
+
+    def equals(self, other: "Matrix") -> bool:
+        """Whether two matrices of rationals or polynomials are the same; balls are never known to be."""
+        if self.shape != other.shape or BALL in (self.ring, other.ring):
+            return False
+        a, b = self._pair(other)
+        return a.data == b.data
+
+    def map(self, function: Callable[[Any], Any]) -> "Matrix":
+        """Apply a function of balls entry by entry."""
+        return Matrix(arb_mat([[function(x) for x in row] for row in self.to_ball().rows()]))
+
+
+def zeros(rows: int, columns: int) -> Matrix:
+    """Zero matrix."""
+    return Matrix(fmpq_mat(rows, columns))
+
+
+def eye(size: int) -> Matrix:
+    """Identity matrix."""
+    return Matrix(fmpq_mat([[int(i == j) for j in range(size)] for i in range(size)]))
+
+
+def _common(matrices: Sequence[Matrix]) -> list[Matrix]:
+    rings = {m.ring for m in matrices}
+    if POLYNOMIAL in rings:
+        context = next(m for m in matrices if m.ring == POLYNOMIAL).entry(0, 0).context()
+        return [m.to_polynomial(context) for m in matrices]
+    return [m.to_ball() for m in matrices] if BALL in rings else list(matrices)
+
+
+def block(rows: Sequence[Sequence[Matrix | None]]) -> Matrix:
+    """Block matrix; the number 0 fills a block of any size, None stands for the transpose of the mirrored block.
+
+    Raises
+    ------
+    RingError
+        If the blocks do not fit together.
+    """
+    count = len(rows[0]) if rows else 0
+    if not count or any(len(row) != count for row in rows):
+        raise RingError("block rows differ in length")
+    grid: list[list[Matrix]] = []
+    for i, row in enumerate(rows):
+        line = []
+        for j, entry in enumerate(row):
+            mirrored = entry
+            if entry is None:
+                mirrored = rows[j][i] if j < len(rows) and i < len(rows[j]) else None
+                if mirrored is None:
+                    raise RingError(f"block ({i}, {j}) stands for the transpose of a block that is not given")
+                mirrored = mirrored.T
+            line.append(mirrored)
+        grid.append(line)
+
+    def fills(entry: Matrix) -> bool:
+        return entry.is_number and entry.ring == RATIONAL and entry.data[0, 0] == 0
+
+    heights = [max((m.shape[0] for m in line if not fills(m)), default=1) for line in grid]
+    widths = [max((line[j].shape[1] for line in grid if not fills(line[j])), default=1) for j in range(count)]
+    flat = []
+    for i, line in enumerate(grid):
+        for j, entry in enumerate(line):
+            placed = zeros(heights[i], widths[j]) if fills(entry) else entry
+            if placed.shape != (heights[i], widths[j]):
+                raise RingError(f"block ({i}, {j}) has shape {placed.shape}, expected {(heights[i], widths[j])}")
+            flat.append(placed)
+    flat = _common(flat)
+    entries = []
+    for i, height in enumerate(heights):
+        lines = [flat[i * count + j].rows() for j in range(count)]
+        entries += [[x for part in lines for x in part[k]] for k in range(height)]
+    ring = flat[0].ring
+    if ring == POLYNOMIAL:
+        return Matrix(entries)
+    return Matrix(arb_mat(entries) if ring == BALL else rational_matrix(entries))
+
+
+def diagonal(blocks: Sequence[Matrix]) -> Matrix:
+    """Block-diagonal matrix; numbers are blocks of size one."""
+    zero = [[zeros(a.shape[0], b.shape[1]) for b in blocks] for a in blocks]
+    return block([[m if i == j else zero[i][j] for j in range(len(blocks))] for i, m in enumerate(blocks)])
+
+
+def kron(left: Matrix, right: Matrix) -> Matrix:
+    """Kronecker product."""
+    return block([[right.scaled(Matrix.number(x)) for x in row] for row in left.rows()])

@@ -1,0 +1,229 @@
+"""The certificate: a JSON file that states something, names its data, and holds an exact witness.
+
+Format, version 1 (keys sorted, two spaces, UTF-8, a final newline; the same certificate gives the same bytes):
+
+============== ==========================================================================================
+``format``      "gainsay certificate"
+``version``     1
+``id, paper``   the certificate's own id, and the paper's folder name
+``claims``      ids of the claims that it bears on
+``statement``   one sentence
+``kind``        the kind of proof: a module of `gainsay.proof.kinds`, whose docstring states the theorem
+``precision``   bits of the balls
+``definitions`` list of [name, formula], each over the tables, the unknowns and the names before it
+``unknowns``    name -> {"shape": [m, n], "structure": "symmetric" | "full" | "diagonal" | "skew"}
+``fields``      the kind's own fields: formulas, constraints, bounds
+``witness``     name -> matrix of exact rationals as text ("-8.8129e-4", "1/3"), in nested lists
+``data``        every table entry read, with its value: {"number": {name: text}, "printed": {name: rows},
+                "half_units": {name: rows}, "design": {"name.entry": rows}, "claims": {id: {column: text}}}
+``conclusions`` list of {"of", "quantity", "relation", "value"}: `of` is what the kind proves something about
+                ("norm", "cost", ...), `quantity` the id it is in quantities.csv; value exact text or null
+``faith``       what no check covers, one sentence each
+``digest``      "sha256:" and the digest of the rest: guards against accidents, proves nothing
+============== ==========================================================================================
+
+What a check means: the data equal the tables', the formulas are evaluated anew from the tables, the kind's theorem is
+applied to them with the witness, and every conclusion follows from what was proved. So a changed statement, datum or
+witness is refused unless the mathematics still holds; that the formulas are the paper's stays on faith.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from gainsay.errors import CertificateError
+
+__all__ = ["RELATIONS", "Certificate", "Conclusion"]
+
+FORMAT, VERSION = "gainsay certificate", 1
+RELATIONS = ("at_most", "at_least", "less_than", "greater_than", "holds", "fails", "inside")
+_KEYS = (
+    *("format", "version", "id", "paper", "claims", "statement", "kind", "precision", "definitions"),
+    *("unknowns", "fields", "witness", "data", "conclusions", "faith", "digest"),
+)
+
+FORMULAS_ON_FAITH = "That the formulas of this certificate are those of the paper."
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """Something proved about a quantity.
+
+    Parameters
+    ----------
+    quantity : str
+        Id in quantities.csv.
+    relation : str
+        One of `RELATIONS`; holds and fails speak of boolean quantities.
+    value : str or None
+        Exact decimal or ratio in the quantity's unit ("low..high" for inside); None for holds and fails.
+    of : str
+        What the kind of proof proves this about: "norm", "cost", "feasible", ...
+    """
+
+    quantity: str
+    relation: str
+    value: str | None = None
+    of: str = ""
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """A statement with its exact witness; the format stands in the module's docstring."""
+
+    id: str
+    paper: str
+    statement: str
+    kind: str
+    fields: Mapping[str, Any]
+    definitions: Sequence[tuple[str, str]] = ()
+    unknowns: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    witness: Mapping[str, Any] = field(default_factory=dict)
+    claims: Sequence[str] = ()
+    conclusions: Sequence[Conclusion] = ()
+    faith: Sequence[str] = (FORMULAS_ON_FAITH,)
+    data: Mapping[str, Any] = field(default_factory=dict)
+    precision: int = 128
+
+    def body(self) -> dict[str, Any]:
+        """Everything but the digest, as plain JSON values."""
+        return {
+            "format": FORMAT,
+            "version": VERSION,
+            "id": self.id,
+            "paper": self.paper,
+            "claims": list(self.claims),
+            "statement": self.statement,
+            "kind": self.kind,
+            "precision": self.precision,
+            "definitions": [[name, text] for name, text in self.definitions],
+            "unknowns": _plain(self.unknowns),
+            "fields": _plain(self.fields),
+            "witness": _plain(self.witness),
+            "data": _plain(self.data),
+            "conclusions": [asdict(c) for c in self.conclusions],
+            "faith": list(self.faith),
+        }
+
+    def digest(self) -> str:
+        """Digest of the body."""
+        return _digest(self.body())
+
+    def to_json(self) -> str:
+        """Text of the file."""
+        return _dump({**self.body(), "digest": self.digest()}) + "\n"
+
+    def write(self, path: Path) -> None:
+        """Write the file; the caller sees to it that it appears whole or not at all."""
+        path.write_text(self.to_json(), encoding="utf-8")
+
+    def changed(self, **parts: Any) -> "Certificate":
+        """Copy with some parts replaced."""
+        return replace(self, **parts)
+
+    @classmethod
+    def from_json(cls, text: str, name: str = "certificate") -> "Certificate":
+        """Read the text of a file.
+
+        Raises
+        ------
+        CertificateError
+            If it is no certificate of this version, or its digest is not that of its contents.
+        """
+        try:
+            raw = json.loads(text, parse_float=_no_float, parse_constant=_no_float)
+        except (ValueError, RecursionError) as error:
+            raise CertificateError(
+                f"{name}: not readable as JSON without floats ({error})".replace("\n", " ")
+            ) from error
+        if not isinstance(raw, dict) or raw.get("format") != FORMAT:
+            raise CertificateError(f"{name}: not a {FORMAT}")
+        if raw.get("version") != VERSION:
+            raise CertificateError(f"{name}: version {raw.get('version')!r}, expected {VERSION}")
+        for key in _KEYS:
+            if key not in raw:
+                raise CertificateError(f"{name}: {key} is missing")
+        for key in raw:
+            if key not in _KEYS:
+                raise CertificateError(f"{name}: unknown key {key!r}")
+        body = {key: value for key, value in raw.items() if key != "digest"}
+        if raw["digest"] != _digest(body):
+            raise CertificateError(f"{name}: the digest does not match the contents: the file was changed")
+        return cls._from_body(raw, name)
+
+    @classmethod
+    def _from_body(cls, raw: dict[str, Any], name: str) -> "Certificate":
+        def expect(key: str, types: type | tuple[type, ...]) -> Any:
+            if not isinstance(raw[key], types) or isinstance(raw[key], bool):
+                raise CertificateError(f"{name}: {key} has the wrong type {type(raw[key]).__name__}")
+            return raw[key]
+
+        for key in ("id", "paper", "statement", "kind"):
+            expect(key, str)
+        for key in ("unknowns", "fields", "witness", "data"):
+            expect(key, dict)
+        for key in ("claims", "definitions", "conclusions", "faith"):
+            expect(key, list)
+        bits = expect("precision", int)
+        if not 53 <= bits <= 4096:
+            raise CertificateError(f"{name}: precision {bits}, expected 53 to 4096 bits")
+        if any(
+            not isinstance(p, list) or len(p) != 2 or not all(isinstance(x, str) for x in p) for p in raw["definitions"]
+        ):
+            raise CertificateError(f"{name}: definitions must be pairs of a name and a formula")
+        if any(not isinstance(x, str) for x in [*raw["claims"], *raw["faith"]]):
+            raise CertificateError(f"{name}: claims and faith must be texts")
+        conclusions = []
+        for entry in raw["conclusions"]:
+            if not isinstance(entry, dict) or set(entry) != {"of", "quantity", "relation", "value"}:
+                raise CertificateError(f"{name}: a conclusion has the keys of, quantity, relation, value")
+            if entry["relation"] not in RELATIONS:
+                raise CertificateError(
+                    f"{name}: relation {entry['relation']!r}, expected one of {', '.join(RELATIONS)}"
+                )
+            if not all(isinstance(entry[k], str) for k in ("of", "quantity")) or not isinstance(
+                entry["value"], str | None
+            ):
+                raise CertificateError(f"{name}: a conclusion holds texts")
+            conclusions.append(Conclusion(**entry))
+        return cls(
+            id=raw["id"],
+            paper=raw["paper"],
+            statement=raw["statement"],
+            kind=raw["kind"],
+            fields=raw["fields"],
+            definitions=tuple((n, t) for n, t in raw["definitions"]),
+            unknowns=raw["unknowns"],
+            witness=raw["witness"],
+            claims=tuple(raw["claims"]),
+            conclusions=tuple(conclusions),
+            faith=tuple(raw["faith"]),
+            data=raw["data"],
+            precision=bits,
+        )
+
+
+def _no_float(text: str) -> Any:
+    raise ValueError(f"{text} is not exact: numbers are texts here")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    if value is None or isinstance(value, str | bool) or type(value) is int:
+        return value
+    raise CertificateError(f"{value!r} cannot stand in a certificate: write numbers as exact texts")
+
+
+def _dump(value: Any) -> str:
+    return json.dumps(value, sort_keys=True, indent=2, ensure_ascii=False)
+
+
+def _digest(body: Mapping[str, Any]) -> str:
+    packed = json.dumps(body, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
+    return "sha256:" + hashlib.sha256(packed.encode()).hexdigest()

@@ -1,0 +1,267 @@
+"""The independent checker: evaluates a certificate from the tables alone, and says what it proved.
+
+It imports python-flint and nothing that the certificates were found with.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from gainsay.errors import CertificateError
+from gainsay.exact.ball import precision
+from gainsay.exact.matrix import RingError
+from gainsay.exact.rational import exact
+from gainsay.proof import kinds
+from gainsay.proof.certificate import FORMULAS_ON_FAITH, Certificate, Conclusion
+from gainsay.proof.kinds import Proved
+from gainsay.proof.scope import Scope, Tables
+
+__all__ = ["CaseTables", "Proof", "check", "check_file", "prepare", "proved"]
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What an accepted certificate proves.
+
+    Attributes
+    ----------
+    id, paper, statement, kind : str
+        As in the certificate.
+    claims : tuple of str
+        Claims that it bears on.
+    theorem : str
+        What the conclusions rest on.
+    conclusions : tuple of Conclusion
+        With exact values.
+    faith : tuple of str
+        What no check covers.
+    """
+
+    id: str
+    paper: str
+    statement: str
+    kind: str
+    claims: tuple[str, ...]
+    theorem: str
+    conclusions: tuple[Conclusion, ...]
+    faith: tuple[str, ...]
+
+
+class CaseTables:
+    """A paper's tables and designs as the checker reads them."""
+
+    def __init__(self, case: Any) -> None:
+        self.case = case
+
+    def exact(self, name: str) -> Fraction:
+        """Parameter in SI."""
+        return self.case.exact(name)
+
+    def printed(self, name: str) -> Any:
+        """Printed matrix."""
+        return self.case.printed(name)
+
+    def design(self, name: str, entry: str) -> Any:
+        """Rows of a design's matrix."""
+        from gainsay.tables.results import read_design
+
+        return read_design(self.case.root, self.case.name, name)[entry]
+
+    def claim(self, name: str) -> dict[str, str]:
+        """Columns of a claim."""
+        row = self.case.claims[name]
+        return row if isinstance(row, dict) else row.model_dump(mode="json")
+
+    def has_quantity(self, name: str) -> bool:
+        """Whether the quantity is declared."""
+        return name in self.case.quantities
+
+
+def _adapted(tables: Any) -> Tables:
+    return CaseTables(tables) if hasattr(tables, "quantities") and hasattr(tables, "claims") else tables
+
+
+def prepare(certificate: Certificate, tables: Any) -> tuple[Scope, Any]:
+    """Scope of a certificate and the module of its kind, its fields checked by name."""
+    try:
+        kind = kinds.load(certificate.kind)
+    except CertificateError as error:
+        raise CertificateError(f"{certificate.id}: {error}") from error
+    for name in kind.REQUIRED:
+        if name not in certificate.fields:
+            raise CertificateError(f"{certificate.id}: field {name!r} is missing")
+    for name in certificate.fields:
+        if name not in (*kind.REQUIRED, *kind.OPTIONAL):
+            raise CertificateError(f"{certificate.id}: unknown field {name!r} of kind {certificate.kind}")
+    return Scope(certificate, _adapted(tables)), kind
+
+
+def proved(certificate: Certificate, tables: Any) -> tuple[list[Proved], dict[str, Any]]:
+    """What the kind's theorem gives, and the data that were read on the way; conclusions are not looked at."""
+    with precision(certificate.precision):
+        scope, kind = prepare(certificate, tables)
+        try:
+            return kind.prove(scope), scope.reader.data
+        except (RingError, ArithmeticError) as error:
+            raise scope.fail(error) from error
+
+
+def _same_data(certificate: Certificate, tables: Any) -> None:
+    """Refuse data that are not the tables', naming the entry."""
+    scope, _ = prepare(certificate, tables)
+    reader = scope.reader
+    read = {
+        "number": reader.number,
+        "printed": reader.printed,
+        "half_units": reader.half_units,
+        "claims": reader.claim,
+        "design": lambda name: reader.design(*name.split(".", 1)),
+    }
+    for group, entries in certificate.data.items():
+        if group not in read or not isinstance(entries, dict):
+            raise scope.fail(f"data: unknown group {group!r}")
+        for name, stored in entries.items():
+            if group == "design" and "." not in name:
+                raise scope.fail(f"data: {name!r} is no design and entry")
+            read[group](name)
+            now = reader.data.get(group, {}).get(name)
+            if now is not None and now != stored:
+                raise scope.fail(f"{group} {name!r} is {_difference(stored, now)} than in the tables")
+
+
+def _difference(stored: Any, now: Any) -> str:
+    if isinstance(stored, str) and isinstance(now, str):
+        return f"{stored} and not {now}: other"
+    if isinstance(stored, dict) and isinstance(now, dict):
+        keys = sorted(k for k in {*stored, *now} if stored.get(k) != now.get(k))
+        return f"in its {', '.join(keys)} other"
+    if isinstance(stored, list) and isinstance(now, list) and len(stored) == len(now):
+        for i, (a, b) in enumerate(zip(stored, now, strict=True)):
+            for j, (x, y) in enumerate(zip(a, b, strict=False)):
+                if x != y:
+                    return f"at row {i + 1}, column {j + 1} {x} and not {y}: other"
+    return "other"
+
+
+def _complete(stored: dict[str, Any], read: dict[str, Any], owner: str) -> None:
+    for group, entries in read.items():
+        for name in entries:
+            if name not in stored.get(group, {}):
+                raise CertificateError(f"{owner}: the formulas read {group} {name!r}, which is not among its data")
+    for group, entries in stored.items():
+        for name in entries:
+            if group != "claims" and name not in read.get(group, {}):
+                raise CertificateError(f"{owner}: data hold {group} {name!r}, which no formula reads")
+
+
+def implied(found: Sequence[Proved], conclusion: Conclusion) -> bool:
+    """Whether what was proved implies a conclusion."""
+    about = [p for p in found if p.of == conclusion.of]
+    if conclusion.relation in ("holds", "fails"):
+        return conclusion.value is None and any(p.relation == conclusion.relation for p in about)
+    if conclusion.value is None:
+        return False
+    if conclusion.relation == "inside":
+        low, high = ends(conclusion.value)
+        below = Conclusion(conclusion.quantity, "at_least", str(low), conclusion.of)
+        return implied(found, below) and implied(
+            found, Conclusion(conclusion.quantity, "at_most", str(high), conclusion.of)
+        )
+    value = exact(conclusion.value)
+    above = conclusion.relation in ("at_most", "less_than")
+    strict = conclusion.relation in ("less_than", "greater_than")
+    for p in about:
+        if p.value is None:
+            continue
+        if p.relation == "inside":
+            bound, is_strict = ends(p.value)[1 if above else 0], False
+        elif p.relation in (("at_most", "less_than") if above else ("at_least", "greater_than")):
+            bound, is_strict = exact(p.value), p.relation in ("less_than", "greater_than")
+        else:
+            continue
+        if (bound < value if above else bound > value) or (bound == value and (is_strict or not strict)):
+            return True
+    return False
+
+
+def ends(value: str) -> tuple[Fraction, Fraction]:
+    """Ends of an interval written ``low..high``."""
+    low, separator, high = value.partition("..")
+    if not separator:
+        raise ValueError(f"{value!r} is no interval low..high")
+    return exact(low), exact(high)
+
+
+def check(certificate: Certificate, tables: Any) -> Proof:
+    """Check a certificate against tables.
+
+    Parameters
+    ----------
+    certificate : Certificate
+    tables : gainsay.tables.Case or any `gainsay.proof.scope.Tables`
+
+    Returns
+    -------
+    Proof
+
+    Raises
+    ------
+    CertificateError
+        In one line, with the certificate's id, what does not match or is not proved.
+    """
+    owner = certificate.id
+    _same_data(certificate, tables)
+    found, read = proved(certificate, tables)
+    _complete(dict(certificate.data), read, owner)
+    if not certificate.conclusions:
+        raise CertificateError(f"{owner}: it concludes nothing")
+    reader = _adapted(tables)
+    for conclusion in certificate.conclusions:
+        try:
+            follows = implied(found, conclusion)
+        except ValueError as error:
+            raise CertificateError(f"{owner}: conclusion on {conclusion.quantity!r}: {error}") from error
+        if not follows:
+            given = "; ".join(f"{p.of} {p.relation} {p.value or ''}".strip() for p in found)
+            raise CertificateError(
+                f"{owner}: {conclusion.of or '?'} {conclusion.relation} {conclusion.value or ''} "
+                f"of {conclusion.quantity!r} does not follow from what was proved ({given})"
+            )
+        if hasattr(reader, "has_quantity") and not reader.has_quantity(conclusion.quantity):
+            raise CertificateError(f"{owner}: quantity {conclusion.quantity!r} is not declared in quantities.csv")
+    faith = tuple(dict.fromkeys((FORMULAS_ON_FAITH, *certificate.faith)))
+    return Proof(
+        id=owner,
+        paper=certificate.paper,
+        statement=certificate.statement,
+        kind=certificate.kind,
+        claims=tuple(certificate.claims),
+        theorem=kinds.load(certificate.kind).THEOREM,
+        conclusions=tuple(certificate.conclusions),
+        faith=faith,
+    )
+
+
+def check_file(path: Path, root: Path) -> Proof:
+    """Check the certificate in a file against the tables of its paper under the project root.
+
+    Raises
+    ------
+    CertificateError
+        If it is refused.
+    InputError
+        If the paper's tables cannot be read.
+    """
+    from gainsay.tables import read_case
+
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise CertificateError(f"{path.name}: not readable as text") from error
+    certificate = Certificate.from_json(text, path.stem)
+    if certificate.id != path.stem:
+        raise CertificateError(f"{path.name}: holds the certificate {certificate.id!r}")
+    return check(certificate, read_case(Path(root), certificate.paper))

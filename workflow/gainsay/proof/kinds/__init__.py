@@ -1,0 +1,44 @@
+"""The kinds of proof, one module each: its docstring states the theorem, `THEOREM` names it, `prove` applies it.
+
+A module of this package is a kind under its own name. It defines
+
+- ``THEOREM``: what the conclusions rest on, one line;
+- ``REQUIRED``, ``OPTIONAL``: names of the certificate's fields;
+- ``prove(scope) -> list[Proved]``: checks the witness and says what follows; raises `CertificateError` otherwise.
+"""
+
+from dataclasses import dataclass
+from importlib import import_module
+from pkgutil import iter_modules
+from types import ModuleType
+
+from gainsay.errors import CertificateError
+
+__all__ = ["Proved", "load", "names"]
+
+
+@dataclass(frozen=True)
+class Proved:
+    """What a theorem gives: a relation of what it speaks of to an exact value (text; None for holds and fails)."""
+
+    of: str
+    relation: str
+    value: str | None = None
+
+
+def names() -> list[str]:
+    """Names of all kinds."""
+    return sorted(module.name for module in iter_modules(__path__))
+
+
+def load(name: str) -> ModuleType:
+    """Module of a kind.
+
+    Raises
+    ------
+    CertificateError
+        If there is no such kind.
+    """
+    if name not in names():
+        raise CertificateError(f"kind {name!r}: expected one of {', '.join(names())}")
+    return import_module(f"{__name__}.{name}")
