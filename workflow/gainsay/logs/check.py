@@ -1,7 +1,7 @@
 """Offline check of a layout against a log: viewers show nothing, and say nothing, where a path is wrong."""
 
 from gainsay.errors import LogError
-from gainsay.logs.layout import EVENT_TOPIC, EventLog, Layout, Plot, Scene, bound_lines, scene_topic
+from gainsay.logs.layout import EVENT_TOPIC, EventLog, Layout, Plot, Scene, bound_lines
 from gainsay.logs.reader import Log
 
 
@@ -61,15 +61,15 @@ def _scene(scene: Scene, log: Log, frames: set[str]) -> list[str]:
         if frame not in frames
     ]
     root = _root(scene.frame, log)
-    for element in scene.elements:
-        topic = scene_topic(element)
+    for topic in scene.topics:
+        element = topic.removeprefix("/scene/")
         if topic not in log.topics or not log.count(topic):
             problems.append(f"scene {scene.title!r}: no element {element!r}")
             continue
         for frame in {entity.frame_id for _, message in log.messages(topic) for entity in message.entities}:
             if frame not in frames or _root(frame, log) != root:
                 problems.append(f"scene {scene.title!r}: frame {frame!r} of {element!r} is not tied to {scene.frame!r}")
-    if not scene.elements and not scene.axes:
+    if not scene.topics:
         problems.append(f"scene {scene.title!r}: nothing to draw")
     return problems
 

@@ -15,7 +15,6 @@ from gainsay.logs.layout import (
     Scene,
     Text,
     bound_lines,
-    scene_topic,
 )
 from gainsay.logs.palette import role
 from gainsay.logs.reader import Log
@@ -114,16 +113,13 @@ class _Builder:
 
     @staticmethod
     def scene(scene: Scene) -> dict:
-        shown = {
-            f"frame:{frame}": {"visible": True, "axisSize": scene.axis_length} for frame in (scene.frame, *scene.axes)
-        }
         config = {
             "foxglovePanelTitle": scene.title,
             "followTf": scene.follow or scene.frame,
             "followMode": "follow-pose" if not scene.follow else "follow-position",
-            "scene": {"transforms": {"enablePreloading": True, "axisScale": 1}, "labelScaleFactor": 1},
-            "transforms": shown,
-            "topics": {scene_topic(element): {"visible": True} for element in scene.elements},
+            "scene": {"transforms": {"enablePreloading": True, "axisScale": 0}, "labelScaleFactor": 1},
+            "transforms": {},
+            "topics": {topic: {"visible": True} for topic in scene.topics},
             "layers": {},
         }
         if scene.eye is not None:

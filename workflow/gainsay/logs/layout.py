@@ -84,9 +84,7 @@ class Scene:
     elements : tuple of str
         Names of the scene elements of the log (`LogWriter.line`, `.arrows`, `.body`, `.marker`).
     axes : tuple of str
-        Frames whose axes are drawn, coloured by the roles of the three axes.
-    axis_length : float
-        Length of these axes, m.
+        Frames whose axes are shown; the log draws them with `LogWriter.axes`.
     follow : str
         Frame that the camera follows, where one moves far; by default none.
     eye : tuple of 3 floats, optional
@@ -97,13 +95,17 @@ class Scene:
     frame: str
     elements: tuple[str, ...] = ()
     axes: tuple[str, ...] = ()
-    axis_length: float = 1.0
     follow: str = ""
     eye: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "elements", tuple(self.elements))
         object.__setattr__(self, "axes", tuple(self.axes))
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """Topics of everything drawn."""
+        return tuple(f"/scene/{name}" for name in (*self.elements, *(f"axes_{frame}" for frame in self.axes)))
 
 
 @dataclass(frozen=True)
@@ -226,11 +228,6 @@ def bound_lines(plot: Plot, fields: dict[str, tuple[str, ...]]) -> list[Line]:
             label = f"{bound.label or bound.name} ({side})"
             lines.append(Line(f"/bounds/{bound.name}", side, label, "bound"))
     return lines
-
-
-def scene_topic(element: str) -> str:
-    """Topic of a scene element."""
-    return f"/scene/{element}"
 
 
 EVENT_TOPIC = EVENTS

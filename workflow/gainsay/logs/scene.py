@@ -136,17 +136,14 @@ def marker(frame: str, position: object, size: float, role: str, label: str) -> 
     return made
 
 
-def arrow(frame: str, origin: object, vector: np.ndarray, role: str) -> Any:
-    """Entity of one arrow; a vector of length zero draws none."""
-    made = _entity(frame)
-    vector = _finite(vector, (3,), "vector")
+def _arrow(made: Any, origin: object, vector: np.ndarray, role: str) -> None:
     length = float(np.linalg.norm(vector))
     if length > 0.0:
         drawn = made.arrows.add(
             shaft_length=0.8 * length,
-            shaft_diameter=0.05 * length,
+            shaft_diameter=0.04 * length,
             head_length=0.2 * length,
-            head_diameter=0.12 * length,
+            head_diameter=0.1 * length,
         )
         _vector(drawn.pose.position, _finite(origin, (3,), "origin"))
         # Shortest rotation of the x axis onto the vector; half a turn about z where they are opposite.
@@ -156,6 +153,27 @@ def arrow(frame: str, origin: object, vector: np.ndarray, role: str) -> Any:
         turn = drawn.pose.orientation
         turn.x, turn.y, turn.z, turn.w = (float(value) for value in quaternion)
         _colour(drawn.color, role)
+
+
+def arrow(frame: str, origin: object, vector: np.ndarray, role: str) -> Any:
+    """Entity of one arrow; a vector of length zero draws none."""
+    made = _entity(frame)
+    _arrow(made, origin, _finite(vector, (3,), "vector"), role)
+    return made
+
+
+def axes(frame: str, length: float, labels: tuple[str, str, str]) -> Any:
+    """Entity of the three axes of a frame, coloured as the components of vectors are."""
+    made = _entity(frame)
+    for number, label in enumerate(labels):
+        tip = np.zeros(3)
+        tip[number] = float(length)
+        _arrow(made, (0.0, 0.0, 0.0), tip, f"axis_{number + 1}")
+        if label:
+            text = made.texts.add(billboard=True, font_size=12.0, scale_invariant=True, text=label)
+            _vector(text.pose.position, 1.08 * tip)
+            text.pose.orientation.w = 1.0
+            _colour(text.color, f"axis_{number + 1}")
     return made
 
 

@@ -319,6 +319,10 @@ class LogWriter:
         """Draw a ball of diameter `size`, m, at `position` (3,) of `frame`, with a label."""
         self._scene(name, 0.0, scene.marker(frame, position, size, role, label))
 
+    def axes(self, frame: str, length: float, *, labels: tuple[str, str, str] = ("x", "y", "z")) -> None:
+        """Draw the axes of `frame`, `length` m long, as element ``axes_<frame>``."""
+        self._scene(f"axes_{frame}", 0.0, scene.axes(frame, length, labels))
+
     def arrows(
         self,
         name: str,

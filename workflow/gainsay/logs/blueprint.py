@@ -1,0 +1,113 @@
+"""Rerun blueprint made from a `Layout`. Imports rerun: see `gainsay.logs.drawing`."""
+
+from collections import defaultdict
+
+import rerun as rr
+import rerun.blueprint as rrb
+from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
+
+from gainsay.logs.drawing import TIMELINE, text_path
+from gainsay.logs.layout import EVENT_TOPIC, Columns, EventLog, Item, Layout, Line, Plot, Rows, Scene, Text, bound_lines
+from gainsay.logs.palette import rgb, role
+from gainsay.logs.reader import Log
+from gainsay.logs.schemas import signal_schema
+
+_GROUND = [20, 22, 26]
+
+
+def blueprint(layout: Layout, log: Log) -> rrb.Blueprint:
+    """Blueprint of a layout for one log: tabs as declared, the first open, time from 0, nothing else open."""
+    tabs = [_item(tab.content, log, tab.title) for tab in layout.tabs]
+    return rrb.Blueprint(
+        rrb.Tabs(*tabs, active_tab=0) if len(tabs) > 1 else tabs[0],
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=_speed(log.duration), play_state="paused"),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+        auto_layout=False,
+        auto_views=False,
+    )
+
+
+def _speed(duration: float) -> float:
+    """Playback speed at which a run takes about half a minute: 1, 2 or 5 times a power of ten."""
+    speed, steps = 1.0, (2.0, 2.5, 2.0)
+    for step in range(30):
+        if duration / speed <= 30.0:
+            break
+        speed *= steps[step % 3]
+    return speed
+
+
+def _item(item: Item, log: Log, title: str = "") -> rrb.View | rrb.Container:
+    match item:
+        case Rows():
+            parts = [_item(part, log) for part in item.items]
+            return rrb.Vertical(*parts, row_shares=list(item.shares), name=title or None)
+        case Columns():
+            parts = [_item(part, log) for part in item.items]
+            return rrb.Horizontal(*parts, column_shares=list(item.shares), name=title or None)
+        case Plot():
+            view = _plot(item, log)
+        case Scene():
+            view = _scene(item)
+        case Text():
+            view = rrb.TextDocumentView(origin=text_path(item.title), name=item.title)
+        case EventLog():
+            view = rrb.TextLogView(
+                origin=EVENT_TOPIC,
+                name=item.title,
+                columns=rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["loglevel", "body"]),
+            )
+    # A tab that holds one panel keeps its own title.
+    return rrb.Vertical(view, name=title) if title and title != item.title else view
+
+
+def _series(line: Line, log: Log) -> rrb.Visualizer:
+    """One curve: a field of the message struct of a topic."""
+    name, _ = signal_schema(line.topic, log[line.topic].fields)
+    look = rr.SeriesLines(names=line.label, colors=[*rgb(line.role), 255], widths=2.2 * role(line.role).width)
+    mapping = VisualizerComponentMapping(
+        target="Scalars:scalars",
+        source_kind=ComponentSourceKind.SourceComponent,
+        source_component=f"{name}:message",
+        selector=f".{line.field}",
+    )
+    return look.visualizer(mappings=[mapping])
+
+
+def _plot(plot: Plot, log: Log) -> rrb.TimeSeriesView:
+    lines = defaultdict(list)
+    sides = {name: tuple(bound) for name, bound in log.bounds.items()}
+    for line in (*plot.lines, *bound_lines(plot, sides)):
+        lines[line.topic].append(_series(line, log))
+    return rrb.TimeSeriesView(
+        name=plot.title,
+        origin="/",
+        contents=[f"+ {topic}" for topic in lines],
+        overrides=dict(lines),
+        plot_legend=rrb.PlotLegend(visible=True, corner=rrb.Corner2D.RightTop),
+        axis_x=rrb.TimeAxis(
+            view_range=rr.TimeRange(
+                start=rrb.TimeRangeBoundary.absolute(seconds=0.0),
+                end=rrb.TimeRangeBoundary.absolute(seconds=1.02 * log.duration),
+            )
+        ),
+        background=rrb.archetypes.PlotBackground(color=[*_GROUND, 255], show_grid=True),
+    )
+
+
+def _scene(scene: Scene) -> rrb.Spatial3DView:
+    eye = {}
+    if scene.eye is not None:
+        eye = {"position": scene.eye, "look_target": (0.0, 0.0, 0.0), "eye_up": (0.0, 0.0, 1.0)}
+    if scene.follow:
+        eye["tracking_entity"] = f"/scene/axes_{scene.follow}/arrows"
+    return rrb.Spatial3DView(
+        name=scene.title,
+        origin="/",
+        contents=[f"+ {topic}/**" for topic in scene.topics],
+        background=_GROUND,
+        line_grid=rrb.LineGrid3D(visible=False),
+        spatial_information=rrb.SpatialInformation(target_frame=scene.frame, show_axes=False),
+        eye_controls=rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, **eye),
+    )

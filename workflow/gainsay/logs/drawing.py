@@ -1,0 +1,128 @@
+"""Scene elements of a log as Rerun drawings: the same entities that Foxglove-compatible viewers draw.
+
+Imports rerun (2 s): only `gainsay.logs.views` and what stands above it may import this module.
+"""
+
+from typing import Any
+
+import numpy as np
+import rerun as rr
+
+from gainsay.logs.layout import Layout, Text
+from gainsay.logs.reader import Log
+
+TIMELINE = "message_log_time"
+_CUBE_FACES = [(axis, sign) for axis in range(3) for sign in (-1.0, 1.0)]
+
+
+def text_path(title: str) -> str:
+    """Entity that holds the text page `title`."""
+    return "/text/" + "".join(letter if letter.isalnum() else "_" for letter in title.lower())
+
+
+def draw(layout: Layout, log: Log, stream: rr.RecordingStream) -> None:
+    """Log every scene element and every text page of a run to a Rerun stream.
+
+    An element that never changes is drawn at all times.
+    """
+    for topic in log.topics:
+        if log.kind(topic) != "scene":
+            continue
+        messages = log.messages(topic)
+        static = len(messages) == 1 and messages[0][0] == 0.0
+        for time, message in messages:
+            if not static:
+                stream.set_time(TIMELINE, duration=np.timedelta64(round(time * 1e9), "ns"))
+            for entity in message.entities:
+                _entity(stream, topic, entity, static)
+    for panel in layout.panels():
+        if isinstance(panel, Text):
+            page = rr.TextDocument(panel.markdown, media_type=rr.MediaType.MARKDOWN)
+            stream.log(text_path(panel.title), page, static=True)
+
+
+def _entity(stream: rr.RecordingStream, topic: str, entity: Any, static: bool) -> None:
+    def put(part: str, drawing: rr.AsComponents) -> None:
+        stream.log(f"{topic}/{part}", rr.CoordinateFrame(entity.frame_id), drawing, static=static)
+
+    for number, line in enumerate(entity.lines):
+        width = rr.Radius.ui_points(0.5 * line.thickness) if line.scale_invariant else 0.5 * line.thickness
+        points = [[point.x, point.y, point.z] for point in line.points]
+        put(f"line{number}", rr.LineStrips3D([points], radii=width, colors=[_colour(line.color)]))
+    if entity.arrows or not (entity.lines or entity.cubes or entity.spheres or entity.triangles):
+        put("arrows", _arrows(entity.arrows))
+    for number, cube in enumerate(entity.cubes):
+        put(f"cube{number}", _cube(cube))
+    for number, mesh in enumerate(entity.triangles):
+        corners = np.array([[point.x, point.y, point.z] for point in mesh.points])
+        put(f"plate{number}", _mesh(corners, mesh.color))
+    if entity.spheres:
+        balls = rr.Points3D(
+            [_triple(ball.pose.position) for ball in entity.spheres],
+            radii=[0.5 * ball.size.x for ball in entity.spheres],
+            colors=[_colour(ball.color) for ball in entity.spheres],
+        )
+        put("balls", balls)
+    if entity.texts:
+        labels = rr.Points3D(
+            [_triple(text.pose.position) for text in entity.texts],
+            radii=rr.Radius.ui_points(0.0),
+            labels=[text.text for text in entity.texts],
+            colors=[_colour(text.color) for text in entity.texts],
+            show_labels=True,
+        )
+        put("labels", labels)
+
+
+def _triple(vector: Any) -> tuple[float, float, float]:
+    return vector.x, vector.y, vector.z
+
+
+def _colour(colour: Any) -> list[int]:
+    return [round(255 * part) for part in (colour.r, colour.g, colour.b, colour.a)]
+
+
+def _arrows(arrows: Any) -> rr.Arrows3D:
+    vectors = [_turned(arrow.pose.orientation, arrow.shaft_length + arrow.head_length) for arrow in arrows]
+    return rr.Arrows3D(
+        origins=[_triple(arrow.pose.position) for arrow in arrows],
+        vectors=vectors,
+        radii=[0.5 * arrow.shaft_diameter for arrow in arrows],
+        colors=[_colour(arrow.color) for arrow in arrows],
+    )
+
+
+def _turned(quaternion: Any, length: float) -> list[float]:
+    """Vector of `length` along the x axis, turned by a unit quaternion."""
+    x, y, z, w = quaternion.x, quaternion.y, quaternion.z, quaternion.w
+    return [
+        length * (1.0 - 2.0 * (y * y + z * z)),
+        length * 2.0 * (x * y + w * z),
+        length * 2.0 * (x * z - w * y),
+    ]
+
+
+def _mesh(corners: np.ndarray, colour: Any) -> rr.Mesh3D:
+    """Triangles with the normals of their planes, so that light shows their shape."""
+    first, second, third = corners[0::3], corners[1::3], corners[2::3]
+    normals = np.cross(second - first, third - first)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
+    return rr.Mesh3D(
+        vertex_positions=corners,
+        vertex_normals=np.repeat(normals, 3, axis=0),
+        triangle_indices=np.arange(len(corners)).reshape(-1, 3),
+        albedo_factor=_colour(colour),
+    )
+
+
+def _cube(cube: Any) -> rr.Mesh3D:
+    half = 0.5 * np.array(_triple(cube.size))
+    corners = []
+    for axis, sign in _CUBE_FACES:
+        normal, across = np.zeros(3), np.zeros(3)
+        normal[axis], across[(axis + 1) % 3] = sign, 1.0
+        up = np.cross(normal, across)
+        a, b, c, d = (normal + i * across + j * up for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
+        corners += [a, b, c, a, c, d]
+    return _mesh(np.array(corners) * half + np.array(_triple(cube.pose.position)), cube.color)

@@ -1,0 +1,84 @@
+"""Calls to the Rerun command and viewer without usage statistics, and their end."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from gainsay.errors import LogError
+
+
+@contextmanager
+def quiet() -> Iterator[dict[str, str]]:
+    """Environment in which Rerun finds its usage statistics switched off.
+
+    Rerun 0.41 has no variable for it: the switch is in its configuration, so it is given one of its own, which goes
+    away afterwards. The environment of this process is changed as long as the block lasts, since the viewer client
+    starts its viewer from it.
+    """
+    with tempfile.TemporaryDirectory(prefix="gainsay-rerun-") as folder:
+        config = Path(folder, "rerun", "analytics.json")
+        config.parent.mkdir()
+        off = {
+            "analytics_enabled": False,
+            "analytics_id": "",
+            "metadata": {},
+            "config_file_path": str(config),
+            "data_dir_path": str(Path(folder, "data")),
+        }
+        config.write_text(json.dumps(off))
+        changed = {"XDG_CONFIG_HOME": folder, "XDG_DATA_HOME": folder, "RUST_LOG": "error"}
+        before = {name: os.environ.get(name) for name in changed}
+        os.environ.update(changed)
+        try:
+            yield dict(os.environ)
+        finally:
+            for name, value in before.items():
+                if value is None:
+                    os.environ.pop(name, None)
+                else:
+                    os.environ[name] = value
+
+
+def rerun_binary() -> str:
+    """Path of the viewer's executable itself: its Python wrapper would outlive or orphan it.
+
+    Raises
+    ------
+    LogError
+        The viewer is not installed.
+    """
+    for folder in sys.path:
+        found = Path(folder, "rerun_cli", "rerun.exe" if os.name == "nt" else "rerun")
+        if found.is_file():
+            return str(found)
+    found = shutil.which("rerun")
+    if found is None:
+        raise LogError("the Rerun viewer is not installed", expected="the package rerun-sdk")
+    return found
+
+
+def call(*arguments: str, timeout: float = 120.0) -> str:
+    """Run the Rerun command to its end and return what it printed.
+
+    Raises
+    ------
+    LogError
+        It failed or took too long; names its last line.
+    """
+    with quiet() as environment:
+        try:
+            done = subprocess.run(
+                [rerun_binary(), *arguments], env=environment, capture_output=True, text=True, timeout=timeout
+            )
+        except subprocess.TimeoutExpired:
+            raise LogError(f"rerun {arguments[0]} took more than {timeout:g} s") from None
+    if done.returncode != 0:
+        last = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
+        raise LogError(f"rerun {' '.join(arguments[:2])} failed", value=last)
+    return done.stdout

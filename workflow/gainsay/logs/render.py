@@ -1,0 +1,185 @@
+"""Pictures of a run as the Rerun viewer shows it, without a screen, and a check that no view is broken or empty.
+
+Needs a Vulkan driver; Mesa's software rasterizer will do (package mesa-vulkan-drivers on Debian and Ubuntu).
+"""
+
+import io
+import socket
+import time as clock
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gainsay.errors import GainsayError
+from gainsay.logs.quiet import quiet, rerun_binary
+
+if TYPE_CHECKING:
+    from rerun.experimental import ViewerClient
+
+_WAIT = 20.0  # seconds for the viewer to load, or to stop changing
+
+
+class NotCheckedError(GainsayError):
+    """The viewer cannot run here: nothing was checked, which is no pass; commands end with exit code 3."""
+
+
+@dataclass
+class Rendering:
+    """What was seen of one run.
+
+    Attributes
+    ----------
+    run : str
+    pictures : list of Path
+        One a tab.
+    views : list of str
+        Names of the views looked at.
+    problems : list of str
+        Errors that views report, and views that are empty.
+    """
+
+    run: str
+    pictures: list[Path] = field(default_factory=list)
+    views: list[str] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)
+
+
+def render(rrd: Path, png: Path, *, time: float | None = None) -> Rendering:
+    """Open a run in the real viewer and take a picture of every tab.
+
+    Parameters
+    ----------
+    rrd : Path
+        File made by `gainsay.logs.views.write_views`.
+    png : Path
+        Picture of the first tab; those of further tabs get ``_2``, ``_3``, ... before the suffix.
+    time : float, optional
+        Time of the cursor, s; by default a third of the run.
+
+    Raises
+    ------
+    NotCheckedError
+        The viewer does not start here, or stops answering.
+    """
+    rrd, png = Path(rrd), Path(png)
+    if not rrd.is_file():
+        raise NotCheckedError(f"not checked: no file {rrd.name}")
+    found = Rendering(rrd.stem)
+    with quiet():
+        try:
+            from rerun.experimental import ViewerClient
+
+            with ViewerClient.spawn(
+                headless=True, port=_free_port(), executable_path=rerun_binary(), hide_welcome_screen=True
+            ) as viewer:
+                _look(viewer, rrd, png, time, found)
+        except (RuntimeError, ConnectionError, TimeoutError, OSError, ImportError) as error:
+            raise NotCheckedError(
+                f"not checked: {rrd.name}: the viewer failed: {str(error).splitlines()[0]}"
+            ) from error
+    return found
+
+
+def _look(viewer: "ViewerClient", rrd: Path, png: Path, time: float | None, found: Rendering) -> None:
+    recording = _load(viewer, rrd)
+    line = next((line for line in recording.timelines if line.name == recording.current_timeline), None)
+    if line is None or line.time_type != "duration" or line.start != 0:
+        found.problems.append(f"{found.run}: the time panel does not start at 0 of the simulation")
+    end = (line.end or 0) / 1e9 if line else 0.0
+    viewer.set_time(duration=end / 3.0 if time is None else time, play_state="paused")
+    tabs = _tabs(viewer.get_blueprint("recording").blueprint)
+    for number, (tab, views) in enumerate(tabs, start=1):
+        if tab:
+            blueprint = viewer.get_blueprint("recording").blueprint
+            _top(blueprint)["active_tab"] = tab
+            viewer.set_blueprint(blueprint, "recording")
+        picture = png if number == 1 else png.with_name(f"{png.stem}_{number}{png.suffix}")
+        picture.write_bytes(_steady(viewer))
+        found.pictures.append(picture)
+        for view in viewer.get_state().views:
+            if f"view/{view.view_id}" not in views:
+                continue
+            found.views.append(view.name)
+            found.problems += [f"{found.run}: {view.name}: {r.severity}: {r.summary}" for r in view.reports]
+            if empty(viewer.take_screenshot(view.view_id), view.view_class):
+                found.problems.append(f"{found.run}: {view.name}: empty")
+    found.problems = list(dict.fromkeys(found.problems))
+    shown = sum(len(views) for _, views in tabs)
+    if not shown or shown != len(found.views):
+        found.problems.append(f"{found.run}: {len(found.views)} views seen of {shown} in the blueprint")
+
+
+def _load(viewer: "ViewerClient", rrd: Path) -> Any:
+    viewer.open(str(rrd.resolve()))
+    limit = clock.monotonic() + _WAIT
+    while clock.monotonic() < limit:
+        state = viewer.get_state()
+        if not state.loading and state.recordings and state.recordings[0].timelines and state.views:
+            return state.recordings[0]
+        clock.sleep(0.1)
+    raise TimeoutError("it did not load the file in time")
+
+
+def _steady(viewer: "ViewerClient") -> bytes:
+    """Screenshot of the whole viewer, once two in a row are the same."""
+    before, limit = b"", clock.monotonic() + _WAIT
+    while clock.monotonic() < limit:
+        clock.sleep(0.3)
+        picture = viewer.take_screenshot()
+        if picture == before:
+            break
+        before = picture
+    return before
+
+
+def _top(blueprint: dict[str, Any]) -> dict[str, Any]:
+    root = blueprint["/viewport"]["ViewportBlueprint"]["root_container"]
+    return blueprint[f"/container/{root}"]["ContainerBlueprint"]
+
+
+def _tabs(blueprint: dict[str, Any]) -> list[tuple[str, set[str]]]:
+    """List each tab of a blueprint and the views inside it; without tabs, one entry without a name."""
+
+    def views(path: str) -> set[str]:
+        if path.startswith("view/"):
+            return {path}
+        return set().union(*(views(inner) for inner in blueprint["/" + path]["ContainerBlueprint"]["contents"]))
+
+    top = _top(blueprint)
+    if top["container_kind"] == "Tabs" and len(top["contents"]) > 1:
+        return [(path, views(path)) for path in top["contents"]]
+    return [("", set().union(*(views(path) for path in top["contents"])))]
+
+
+def empty(png: bytes, view_class: str) -> bool:
+    """Decide whether a view shows nothing besides its frame.
+
+    Parameters
+    ----------
+    png : bytes
+        Screenshot of the view alone.
+    view_class : str
+        As the viewer names it. A plot is empty if little runs across it: axis labels, legend and time cursor are there
+        without a curve. Elsewhere pixels count that stand out from the background, below the headline.
+    """
+    from PIL import Image
+
+    image = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=int)
+    inner = image[2:-22, 60:-10] if view_class == "TimeSeries" else image[60:-10, 10:-10]
+    if not inner.size:
+        return True
+    flat = inner.reshape(-1, 3)
+    colours, counts = np.unique(flat, axis=0, return_counts=True)
+    background = colours[counts.argmax()]
+    stands_out = np.abs(inner - background).max(axis=2) > 60
+    if view_class == "TimeSeries":
+        return bool(stands_out.any(axis=0).mean() < 0.35)
+    return bool(stands_out.mean() < 5e-4)
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]

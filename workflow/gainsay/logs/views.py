@@ -1,0 +1,81 @@
+"""Files for viewers beside each log: one self-contained ``.rrd`` and a layout for Foxglove-compatible viewers.
+
+Both are made from the log and the one `Layout`, and are never hashed or compared: an ``.rrd`` differs from run to run.
+"""
+
+import re
+import tempfile
+from pathlib import Path
+
+from gainsay.errors import InputError
+from gainsay.logs.check import check_layout
+from gainsay.logs.foxglove import foxglove_layout
+from gainsay.logs.layout import Layout
+from gainsay.logs.quiet import call, quiet
+from gainsay.logs.reader import Log, read_log
+
+FOXGLOVE_SUFFIX = ".foxglove.json"
+
+
+def write_views(mcap: Path, layout: Layout) -> list[Path]:
+    """Write ``<run>.rrd`` and ``<run>.foxglove.json`` beside ``<run>.mcap``.
+
+    Parameters
+    ----------
+    mcap : Path
+        The log.
+    layout : Layout
+        What is shown; it is checked against the log first.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    LogError
+        The log is damaged, the layout does not fit it, or Rerun fails.
+    """
+    mcap = Path(mcap)
+    log = read_log(mcap)
+    fitted = layout.for_run(mcap.stem)
+    check_layout(fitted, log)
+    rrd, foxglove = mcap.with_suffix(".rrd"), mcap.with_suffix(FOXGLOVE_SUFFIX)
+    part = foxglove.with_name(f".{foxglove.name}.part")
+    part.write_text(foxglove_layout(fitted, log))
+    part.replace(foxglove)
+    write_rrd(mcap, fitted, log, rrd)
+    return [rrd, foxglove]
+
+
+def write_rrd(mcap: Path, layout: Layout, log: Log, rrd: Path) -> None:
+    """Write the ``.rrd``: the converted log, its drawings and text pages, and the blueprint in one file."""
+    application, recording = f"gainsay_{layout.name}", mcap.stem
+    if not re.fullmatch("[a-z0-9_]+", recording):
+        # Other letters make the viewer lose the tie between recording and blueprint.
+        raise InputError("name of a run", value=recording, expected="lower-case letters, digits and underscores")
+    with tempfile.TemporaryDirectory(prefix="gainsay-views-") as folder:
+        data, drawings, look, merged = (Path(folder, name) for name in ("a.rrd", "b.rrd", "c.rbl", "d.rrd"))
+        names = ["--application-id", application, "--recording-id", recording]
+        call(
+            *("mcap", "convert", str(mcap), "-o", str(data), *names, "--timeline-type", "duration"),
+            *("--exclude-topic-regex", "^/scene/"),
+        )
+        with quiet():
+            import rerun as rr
+
+            from gainsay.logs.blueprint import blueprint
+            from gainsay.logs.drawing import draw
+
+            stream = rr.RecordingStream(application, recording_id=recording, send_properties=False)
+            stream.save(drawings)
+            stream.set_log_time_enabled(False)
+            draw(layout, log, stream)
+            stream.flush()
+            stream.disconnect()
+            blueprint(layout, log).save(application, look)
+        call("rrd", "merge", str(data), str(drawings), str(look), "-o", str(merged))
+        part = rrd.with_name(f".{rrd.name}.part")
+        part.write_bytes(merged.read_bytes())
+        part.replace(rrd)
