@@ -98,7 +98,9 @@ def to_text(value: object) -> str:
         sign, body = ("-", str(-digits)) if digits < 0 else ("", str(digits))
         body = body.rjust(1 - power, "0")
         return f"{sign}{body[:power]}.{body[power:]}"
-    return f"{digits}e{power}"
+    sign, body = ("-", str(-digits)) if digits < 0 else ("", str(digits))
+    mantissa = body if length == 1 else f"{body[0]}.{body[1:]}"
+    return f"{sign}{mantissa}e{power + length - 1}"
 
 
 def shorten(value: float, digits: int) -> Fraction:

@@ -33,8 +33,10 @@ class Proof:
         Claims that it bears on.
     theorem : str
         What the conclusions rest on.
+    proved : tuple of Proved
+        What the kind of proof gives.
     conclusions : tuple of Conclusion
-        With exact values.
+        What follows for quantities, with exact values.
     faith : tuple of str
         What no check covers.
     """
@@ -45,6 +47,7 @@ class Proof:
     kind: str
     claims: tuple[str, ...]
     theorem: str
+    proved: tuple[Proved, ...]
     conclusions: tuple[Conclusion, ...]
     faith: tuple[str, ...]
 
@@ -215,8 +218,6 @@ def check(certificate: Certificate, tables: Any) -> Proof:
     _same_data(certificate, tables)
     found, read = proved(certificate, tables)
     _complete(dict(certificate.data), read, owner)
-    if not certificate.conclusions:
-        raise CertificateError(f"{owner}: it concludes nothing")
     reader = _adapted(tables)
     for conclusion in certificate.conclusions:
         try:
@@ -239,6 +240,7 @@ def check(certificate: Certificate, tables: Any) -> Proof:
         kind=certificate.kind,
         claims=tuple(certificate.claims),
         theorem=kinds.load(certificate.kind).THEOREM,
+        proved=tuple(found),
         conclusions=tuple(certificate.conclusions),
         faith=faith,
     )

@@ -1,9 +1,9 @@
 """Structured uncertainty: multipliers of the blocks of a linear fractional transformation.
 
-The uncertain system is x' = A x + H w + B d, z = Cz x + Dw w + Dd d, w = Delta z, with Delta block diagonal. A block is
-``["repeated", q]``: a real number lambda, |lambda| <= 1, times the identity of size q, with multipliers D >= 0 (symmetric)
-and G (skew, may be left out); or ``["full", p, q]``: any real p x q matrix of norm at most one, with a multiplier
-d >= 0. With M the quadratic form of these multipliers, [z; w]' M [z; w] >= 0 whenever w = Delta z.
+The uncertain system is x' = A x + H w + B d, z = Cz x + Dw w + Dd d, w = Delta z, with Delta block diagonal. A block
+is ``["repeated", q]``: a real number lambda, |lambda| <= 1, times the identity of size q, with multipliers D >= 0
+(symmetric) and G (skew, may be left out); or ``["full", p, q]``: any real p x q matrix of norm at most one, with a
+multiplier d >= 0. With M the quadratic form of these multipliers, [z; w]' M [z; w] >= 0 whenever w = Delta z.
 
 Reference: M. K. H. Fan, A. L. Tits, J. C. Doyle, "Robustness in the presence of mixed parametric uncertainty and
 unmodeled dynamics", IEEE Transactions on Automatic Control 36 (1991) 25-38; Boyd et al. 1994, sections 5.1 and 8.1.

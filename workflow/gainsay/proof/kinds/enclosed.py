@@ -1,7 +1,7 @@
 """A number given by a closed formula lies in an interval.
 
-Theorem: the formula evaluated in balls (or exactly) encloses its value; with ``box`` and ``interval`` its value for every
-datum in them.
+Theorem: the formula evaluated in balls (or exactly) encloses its value; with ``box`` and ``interval`` its value for
+every datum in them.
 
 Fields: ``formula``, and ``low`` or ``high`` or both (or none: the enclosure found is what is proved). No witness.
 """

@@ -6,8 +6,9 @@ Theorem: a point within the boxes that satisfies the constraints shows that they
 for inequalities) under which the weighted sum of the constraints is negative over the whole box show that they are not
 (Farkas' lemma).
 
-Fields: ``constraints`` (pairs of a name and an affine constraint on the unknowns), ``boxes`` (unknown -> printed matrix),
-``answer`` ("holds" or "fails"). Witness: the unknowns for "holds", a multiplier for each constraint used for "fails".
+Fields: ``constraints`` (pairs of a name and an affine constraint on the unknowns), ``boxes`` (unknown -> printed
+matrix), ``answer`` ("holds" or "fails"). Witness: the unknowns for "holds", a multiplier for each constraint used for
+"fails".
 Reference: A. Schrijver, Theory of Linear and Integer Programming, Wiley 1986, section 7.3.
 """
 

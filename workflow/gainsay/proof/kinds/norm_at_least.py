@@ -3,9 +3,10 @@
 Theorem: the norm of G(s) = C (s I - A)^-1 B + D, the supremum of its largest singular value over the imaginary axis, is
 at least |G(i w) u| / |u| for every w and u. If A is not Hurwitz the norm counts as infinite, and the bound holds too.
 
-Fields: ``A``, ``B``, ``C``, ``D`` (may be left out), ``frequency`` (w, rad/s), ``gamma``. Witness: ``u``, columns of real
-and imaginary parts.
-Reference: K. Zhou, J. C. Doyle, K. Glover, Robust and Optimal Control, Prentice Hall 1996, section 4.3.
+Fields: ``A``, ``B``, ``C``, ``D`` (may be left out), ``frequency`` (w, rad/s), ``gamma``. Witness: ``u``, columns of
+real and imaginary parts.
+Reference: K. Zhou, J. C. Doyle, K. Glover, Robust and Optimal Control, Prentice Hall 1996,
+section 4.3.
 """
 
 from flint import acb, acb_mat, arb

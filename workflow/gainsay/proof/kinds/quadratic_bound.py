@@ -1,8 +1,8 @@
 """Bounds on the cost and on the inputs of an uncertain system, for every admissible uncertainty, also time-varying.
 
-Theorem (S-procedure): let x' = A x + H w, z = Cz x + Dw w, w = Delta(t) z with Delta structured as in `gainsay.proof.lft`.
-If P > 0 and, with V = x' P x, the form dV/dt + x' Q x + [z; w]' M [z; w] in (x, w) is <= 0, then along every solution
-dV/dt + x' Q x <= 0. Hence
+Theorem (S-procedure): let x' = A x + H w, z = Cz x + Dw w, w = Delta(t) z with Delta structured as in
+`gainsay.proof.lft`. If P > 0 and, with V = x' P x, the form dV/dt + x' Q x + [z; w]' M [z; w] in (x, w) is <= 0, then
+along every solution dV/dt + x' Q x <= 0. Hence
 
 - ``cost``: the integral of x' Q x over t >= 0 is at most x(0)' P x(0);
 - ``inputs`` (list of {"of", "row", "bound"}): |k x(t)| <= bound for all t >= 0, if Q >= 0 and

@@ -1,9 +1,9 @@
 """Some eigenvalue lies right of a vertical line, or outside a disk.
 
-Theorem: if P A + A' P < 2 alpha P and z' P z <= 0 for some z != 0, then some eigenvalue of A has real part greater than
-alpha. (Were the abscissa less than alpha, P would be positive definite; and no eigenvalue lies on the line, since
-v* (P A + A' P - 2 alpha P) v = 0 for its eigenvector v.) Likewise (A + a I)' P (A + a I) < b^2 P with z' P z <= 0 leaves
-an eigenvalue s with |s + a| > b. Over a box of printed digits this holds for every matrix of the box.
+Theorem: if P A + A' P < 2 alpha P and z' P z <= 0 for some z != 0, then some eigenvalue of A has real part greater
+than alpha. (Were the abscissa less than alpha, P would be positive definite; and no eigenvalue lies on the line,
+since v* (P A + A' P - 2 alpha P) v = 0 for its eigenvector v.) Likewise (A + a I)' P (A + a I) < b^2 P with z' P z <=
+0 leaves an eigenvalue s with |s + a| > b. Over a box of printed digits this holds for every matrix of the box.
 
 Fields: ``matrix`` and ``alpha``, or ``matrix``, ``shift`` (a) and ``radius`` (b). Witness: ``P``, ``z``.
 Reference: A. Ostrowski, H. Schneider, "Some theorems on the inertia of general matrices", Journal of Mathematical
