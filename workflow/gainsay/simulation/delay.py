@@ -10,6 +10,7 @@ The order is s + 1, in between and at the mesh (Bellen and Zennaro, Numerical Me
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -79,7 +80,7 @@ class DelayLaw:
                          expected=f"at most {self.rate:g}")  # fmt: skip
 
     def breakpoints(self, start: float, count: int) -> list[float]:
-        """Times xi_1 < xi_2 < ... after the start with xi_k - d(xi_k) = xi_{k-1}, xi_0 = start.
+        """Return xi_1 < xi_2 < ... after the start with xi_k - d(xi_k) = xi_{k-1}, xi_0 = start.
 
         Parameters
         ----------
@@ -199,29 +200,30 @@ class DelaySolution:
         value[before] = self.states[0]
         return value
 
-    @property
-    def stage_times(self) -> np.ndarray:
-        """Gauss points of every interval, s, shape (m, s)."""
-        return self.mesh[:-1, None] + np.diff(self.mesh)[:, None] * self.rule.nodes
-
-    def running_integral(self, density: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
-        """Integral of a function of time and state from the first mesh point to every mesh point.
+    def integral(self, density: Callable[[np.ndarray, np.ndarray], np.ndarray], times: np.ndarray) -> np.ndarray:
+        """Integral of a function of time and state from the first mesh point to given times.
 
         Parameters
         ----------
         density : callable
             density(times (k,), states (k, n)) -> (k,).
+        times : array_like, shape (m,)
+            s, at or after the first mesh point.
 
         Returns
         -------
-        ndarray, shape (m + 1,)
-            By the Gauss rule on every interval, exact to degree 2 s - 1.
+        ndarray, shape (m,)
+            By the Gauss rule on every interval, exact for densities of degree 2 s - 1 between mesh points.
         """
-        h = np.diff(self.mesh)
-        inner = np.einsum("ij,kjn->kin", self.rule.integrals, self.slopes) * h[:, None, None]
-        states = self.states[:-1, None, :] + inner
-        values = density(self.stage_times.ravel(), states.reshape(-1, states.shape[-1])).reshape(len(h), -1)
-        return np.concatenate([[0.0], np.cumsum(h * (values @ self.rule.weights))])
+        times = np.atleast_1d(np.asarray(times, dtype=float))
+        whole = np.concatenate([[0.0], np.cumsum(self._pieces(density, self.mesh[:-1], self.mesh[1:]))])
+        k = np.clip(np.searchsorted(self.mesh, times, side="right") - 1, 0, len(self.mesh) - 2)
+        return whole[k] + self._pieces(density, self.mesh[k], times)
+
+    def _pieces(self, density: Callable, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        points = low[:, None] + (high - low)[:, None] * self.rule.nodes
+        values = density(points.ravel(), self(points.ravel())).reshape(points.shape)
+        return (high - low) * (values @ self.rule.weights)
 
 
 def delay_mesh(law: DelayLaw, start: float, end: float, step: float, stages: int) -> tuple[np.ndarray, np.ndarray]:
@@ -246,7 +248,7 @@ def delay_mesh(law: DelayLaw, start: float, end: float, step: float, stages: int
         raise InputError("", field="start, end, step", value=(start, end, step), expected="start < end, step > 0")
     points = [start, *(t for t in law.breakpoints(start, 2 * stages + 1) if t < end), end]
     pieces, steps = [np.array([start])], []
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in pairwise(points):
         count = max(1, int(np.ceil((b - a) / step - 1e-9)))
         pieces.append(a + (b - a) * np.arange(1, count + 1) / count)
         steps.append(np.full(count, (b - a) / count))

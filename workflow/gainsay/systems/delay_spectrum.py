@@ -7,6 +7,7 @@ Gumussoy, SIAM J. Matrix Anal. Appl. 31, 2010). The norm is enclosed by ball ari
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from flint import acb, acb_mat, arb, ctx, fmpq
@@ -167,7 +168,7 @@ def spectral_abscissa(system: DelaySystem, delay: float) -> float:
 
 
 def unstable_root_count(system: DelaySystem, delay: float, points: int = 4000) -> int:
-    """Number of roots in the right half plane, by the winding of the quasi-polynomial along a half disk.
+    """Count the roots in the right half plane by the winding of the quasi-polynomial along a half disk.
 
     The radius bounds every root with Re s >= 0, for |s| <= |A| + |Bd Cd| there. Independent of any discretisation of
     the delay; raises ComputationError where a step of the contour turns the value by more than a quarter.
@@ -231,7 +232,7 @@ def hinf_norm(system: DelaySystem, delay: float, nodes: int = 24) -> Peak:
     for _ in range(50):
         level = best.value * (1 + 1e-9)
         edges = _level_set(A, B, C, system.D, level)
-        pieces = [_local_peak(system, delay, a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        pieces = [_local_peak(system, delay, a, b) for a, b in pairwise(edges)]
         found = max(pieces, key=lambda p: p.value, default=best)
         if found.value <= level:
             return max(best, found, key=lambda p: p.value)
