@@ -7,7 +7,8 @@ from functools import cached_property
 
 from gainsay.errors import InputError
 
-_DECIMAL = re.compile(r"[+-]?(?P<whole>\d+)(?:\.(?P<decimals>\d+))?(?:[eE](?P<exponent>[+-]?\d{1,3}))?")
+# ASCII digits only (\d alone takes those of other scripts); the exponent stays within what a double can hold
+_DECIMAL = re.compile(r"[+-]?(?P<whole>\d+)(?:\.(?P<decimals>\d+))?(?:[eE](?P<exponent>[+-]?\d{1,2}))?", re.ASCII)
 EXPECTED = "a decimal number such as -8.8129e-4"
 
 

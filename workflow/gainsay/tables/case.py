@@ -154,8 +154,9 @@ def _check_parameter(row: Parameter, file: str, number: int) -> None:
             ends = [PrintedNumber(part).value for part in ([low, high] if dots else row.plausible.split("|"))]
         except InputError:
             refuse("plausible", row.plausible, "`low..high` or `a|b|c` of decimal numbers")
-        if dots and not ends[0] <= PrintedNumber(row.value).value <= ends[1]:
-            refuse("plausible", row.plausible, f"a range that contains the value {row.value}")
+        value = PrintedNumber(row.value).value
+        if not (ends[0] <= value <= ends[1] if dots else value in ends):
+            refuse("plausible", row.plausible, f"a {'range' if dots else 'list'} that contains the value {row.value}")
     if row.plausible and row.type == "choice" and row.value not in row.plausible.split("|"):
         refuse("value", row.value, f"one of {row.plausible}")
 
@@ -196,6 +197,8 @@ def read_case(root: Path, paper: str) -> Case:
         At the first fault, naming file, row, field, value and what was expected.
     """
     if paper not in paper_names(root):
+        if paper in {path.parent.name for path in (root / "papers").glob("*/*.csv")}:
+            raise InputError("file not found", file=f"papers/{paper}/paper.toml", expected="a readable file")
         known = ", ".join(paper_names(root)) or "a folder of papers/ with a paper.toml"
         raise InputError("unknown paper", value=paper, expected=known)
     folder = root / "papers" / paper

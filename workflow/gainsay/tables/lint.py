@@ -1,5 +1,6 @@
 """Checks between the tables of a paper: what one row names must stand in another."""
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -33,8 +34,33 @@ def published_ends(published: str) -> tuple[PrintedNumber, PrintedNumber]:
     return PrintedNumber(low), PrintedNumber(high)
 
 
+def _tolerance_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
+    if not claim.tolerance:
+        return
+    if claim.comparator not in ("equal", "at_most", "at_least", "inside"):
+        yield "tolerance", claim.tolerance, f"nothing, since {claim.comparator or 'a remark'} knows no tolerance"
+    elif PrintedNumber(claim.tolerance).value < 0:
+        yield "tolerance", claim.tolerance, "a tolerance of at least 0"
+    elif not claim.note:
+        yield "note", claim.note, "the reason of the stated tolerance"
+
+
+def _joined_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
+    others = claim.quantity.split()
+    if not others:
+        yield "quantity", "", "the claims that it joins, separated by blanks"
+    for other in others:
+        if other not in case.claims or other == claim.id or case.claims[other].comparator == "all_of":
+            yield "quantity", other, "another claim of this table that joins none itself"
+        elif claim.kind in PROVED and case.claims[other].kind not in PROVED:
+            yield "quantity", other, f"a claim that needs a proof, as a {claim.kind} does"
+
+
 def _claim_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
     """Yield field, value and expectation of every fault of a claim."""
+    yield from _tolerance_faults(claim)
+    if claim.expected == "failed":
+        yield "expected", claim.expected, "a verdict: a computation that broke is never on record"
     if claim.kind == "remark":
         if claim.comparator or claim.quantity:
             yield "comparator", claim.comparator, "nothing, since a remark is held against nothing"
@@ -45,12 +71,7 @@ def _claim_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
         yield "comparator", "", f"a comparator, since a {claim.kind} is held against something"
         return
     if claim.comparator == "all_of":
-        others = claim.quantity.split()
-        if not others:
-            yield "quantity", "", "the claims that it joins, separated by blanks"
-        for other in others:
-            if other not in case.claims or other == claim.id or case.claims[other].comparator == "all_of":
-                yield "quantity", other, "another claim of this table that joins none itself"
+        yield from _joined_faults(case, claim)
         return
     if claim.quantity not in case.quantities:
         yield "quantity", claim.quantity, "a quantity declared in quantities.csv"
@@ -103,6 +124,17 @@ def lint(case: "Case") -> None:
         if quantity.unit != recorded.unit:
             raise InputError(file=file, row=row, field="unit", value=recorded.unit, expected=quantity.unit)
         try:
-            float(recorded.value)
+            finite = math.isfinite(float(recorded.value))
         except ValueError:
-            raise InputError(file=file, row=row, field="value", value=recorded.value, expected="a number") from None
+            finite = False
+        if not finite:
+            raise InputError(file=file, row=row, field="value", value=recorded.value, expected="a finite number")
+    for row, declared in enumerate(case.quantities.values(), start=_ROW_OF_FIRST):
+        if to_si(declared.unit) != (declared.unit, 1):
+            raise InputError(
+                file=f"papers/{case.name}/quantities.csv",
+                row=row,
+                field="unit",
+                value=declared.unit,
+                expected=f"{to_si(declared.unit)[0]}: what is computed is in SI",
+            )

@@ -39,8 +39,8 @@ def _decimal(value: str) -> str:
 
 
 def _plain(value: str) -> str:
-    if value != value.strip() or re.search(r"[\x00-\x08\x0b-\x1f\x7f\ufffd]", value):
-        raise ValueError("text without control characters or surrounding blanks")
+    if value != value.strip() or re.search(r"[\x00-\x1f\x7f\x85\u2028\u2029\ufffd]", value):
+        raise ValueError("text on one line without control characters or surrounding blanks")
     return value
 
 

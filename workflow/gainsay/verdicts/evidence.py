@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from gainsay.errors import GainsayError
+from gainsay.errors import CertificateError
 from gainsay.proof import check_file
 from gainsay.tables import Case
 from gainsay.tables.files import read_text
@@ -113,11 +113,15 @@ def read_evidence(case: Case) -> Evidence:
         evidence.found[row["quantity"]] = Found(
             float(row["value"]), _number(row["lower"]), _number(row["upper"]), row["method"], row["source"]
         )
-    for path in sorted((case.results / "certificates").glob("*.json")):
+    # Only what a step lists as its own counts: a file left by an interrupted or older step is no evidence.
+    listed = sorted({case.results / row["file"] for row in read_part(case, "files")})
+    for path in (path for path in listed if path.parent.name == "certificates"):
         try:
             proof = check_file(path, case.root)
-        except GainsayError as error:
-            evidence.refused[path.stem] = str(error)
+            if proof.paper != case.name:
+                raise CertificateError(f"{path.name}: about the paper {proof.paper!r}, expected {case.name!r}")
+        except Exception as error:  # whatever a check stumbles over, it has not accepted the certificate
+            evidence.refused[path.stem] = str(error) or type(error).__name__
             continue
         evidence.certificates[path.stem] = proof.statement
         for conclusion in proof.conclusions:
@@ -125,7 +129,7 @@ def read_evidence(case: Case) -> Evidence:
             evidence.concluded.setdefault(conclusion.quantity, []).append(
                 Concluded(conclusion.relation, low, high, path.stem, proof.theorem)
             )
-    for path in sorted((case.results / "scans").glob("*.json")):
+    for path in (path for path in listed if path.parent.name == "scans"):
         scan = json.loads(read_text(path, case.root))
         evidence.scans[scan["claim"]] = scan
     return evidence

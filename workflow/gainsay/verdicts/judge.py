@@ -9,10 +9,14 @@ from gainsay.tables import Case
 from gainsay.tables.lint import PROVED, published_ends
 from gainsay.tables.models import Claim
 from gainsay.tables.units import to_si
-from gainsay.verdicts.evidence import Evidence
+from gainsay.verdicts.evidence import Evidence, Found
 
 #: worst first: a claim that joins others is as good as the worst of them
 SEVERITY = ("failed", "contradicted", "undetermined", "uncheckable", "reproduced")
+#: relative rounding by which a double may lie outside the bounds proved for it
+_ROUNDING = Fraction(1, 10**6)
+
+Number = Fraction | float
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,7 @@ class Judgement:
     note: str = ""
 
 
-def _compare(claim: Claim, low: Fraction | float, high: Fraction | float, tolerance: Fraction) -> bool | None:
+def _compare(claim: Claim, low: Number, high: Number, tolerance: Fraction) -> bool | None:
     """Say whether the claim holds for every value in low..high (True), for none (False), or for some (None)."""
     factor = to_si(claim.unit)[1]
     if claim.comparator == "inside":
@@ -62,7 +66,7 @@ def _compare(claim: Claim, low: Fraction | float, high: Fraction | float, tolera
 
 
 def _tolerance(claim: Claim) -> Fraction:
-    """Return the absolute tolerance in SI: as stated, else half a unit of the printed digits where equality is meant."""
+    """Return the absolute tolerance in SI: as stated, else half a printed unit where equality is meant."""
     factor = to_si(claim.unit)[1]
     if claim.tolerance:
         return PrintedNumber(claim.tolerance).value * factor
@@ -86,6 +90,7 @@ def _missing(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
 def _judge_feasibility(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     """Judge what either holds or fails; only an accepted certificate decides."""
     said = [c for c in evidence.concluded.get(claim.quantity, []) if c.relation in ("holds", "fails")]
+    found = evidence.found.get(claim.quantity)
     if not said:
         return _missing(case, claim, evidence)
     relations = {c.relation for c in said}
@@ -94,9 +99,15 @@ def _judge_feasibility(case: Case, claim: Claim, evidence: Evidence) -> Judgemen
     if len(relations) > 1:
         return Judgement("failed", evidence=proved, certificate=certificates, note="certificates contradict each other")
     holds = relations == {"holds"}
+    if found is not None and found.value != holds:
+        note = f"computed as {found.value!r}, but the certificate says {said[0].relation}"
+        return Judgement("failed", evidence=proved, certificate=certificates, note=note)
     wanted = claim.comparator != "infeasible"
     if claim.comparator == "equal":
-        wanted = PrintedNumber(claim.published).value == 1
+        published = PrintedNumber(claim.published).value
+        if published not in (0, 1):
+            return Judgement("failed", evidence=proved, certificate=certificates, note="what holds or fails is 1 or 0")
+        wanted = published == 1
     witness = "" if holds == wanted else evidence.certificates[said[0].certificate]
     return Judgement(
         "reproduced" if holds == wanted else "contradicted", recomputed=float(holds), evidence=proved,
@@ -106,6 +117,8 @@ def _judge_feasibility(case: Case, claim: Claim, evidence: Evidence) -> Judgemen
 
 def _judge_scan(claim: Claim, scan: dict) -> Judgement:
     """Judge a claim over the plausible values of what the paper leaves out."""
+    if scan["quantity"] != claim.quantity:
+        return Judgement("failed", note=f"the scan is about {scan['quantity']}, the claim about {claim.quantity}")
     verdict = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined"}[scan["outcome"]]
     ends = [None if scan.get(end) is None else _in_unit(claim, scan[end]) for end in ("smallest", "largest")]
     return Judgement(
@@ -118,12 +131,39 @@ def _kind_of_evidence(claim: Claim) -> str:
     return {"parameter": "enclosed", "gain": "enclosed", "trajectory": "simulated"}.get(claim.kind, "sampled")
 
 
+def _ends(found: Found) -> tuple[Fraction, Fraction]:
+    low, high = (Fraction(found.value if end is None else end) for end in (found.lower, found.upper))
+    return low, high
+
+
+def _contradictory(low: Number, high: Number, found: Found | None) -> bool:
+    """Say whether proofs exclude each other, or what was computed lies outside them by more than rounding."""
+    if low > high:
+        return True
+    if found is None:
+        return False
+    bottom, top = _ends(found)
+    slack = _ROUNDING * max(abs(bottom), abs(top))
+    return top + slack < low or bottom - slack > high
+
+
+def _narrowed(low: Number, high: Number, found: Found | None) -> tuple[Number, Number]:
+    """Narrow a proved range by what was computed, in order even where rounding parts the two."""
+    if found is None:
+        return low, high
+    bottom, top = _ends(found)
+    low, high = max(low, bottom), min(high, top)
+    return (low, high) if low <= high else (high, low)
+
+
 def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     """Judge a number by the range that its evidence gives it."""
     found = evidence.found.get(claim.quantity)
     low, high, used = evidence.proved_range(claim.quantity)
     if found is None and not used:
         return _missing(case, claim, evidence)
+    if _contradictory(low, high, found):
+        return Judgement("failed", note=f"the evidence on {claim.quantity} contradicts itself")
     certificate = " ".join(dict.fromkeys(c.certificate for c in used))
     if claim.kind in PROVED:
         kind = f"proved: {', '.join(sorted({c.theorem for c in used}))}" if used else "none"
@@ -131,10 +171,7 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
         kind = _kind_of_evidence(claim)
         if claim.kind == "trajectory" and (found is None or found.lower is None or found.upper is None):
             return Judgement("failed", note="a trajectory needs a numerical error bound, and none was computed")
-        if found is not None:
-            exact = Fraction(found.value)
-            low = max(low, exact if found.lower is None else Fraction(found.lower))
-            high = min(high, exact if found.upper is None else Fraction(found.upper))
+        low, high = _narrowed(low, high, found)
     value = found.value if found is not None else None
     shared = {
         "recomputed": _in_unit(claim, value),
@@ -157,14 +194,15 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     return Judgement("contradicted", witness=f"{claim.quantity} = {bounds} {claim.unit}".strip(), **shared)
 
 
-def _judge_order(case: Case, claim: Claim, evidence: Evidence, low: float, high: float, shared: dict) -> Judgement:
+def _judge_order(case: Case, claim: Claim, evidence: Evidence, low: Number, high: Number, shared: dict) -> Judgement:
     """Judge whether a quantity is less than another."""
     other = evidence.found.get(claim.published)
     floor, ceiling, _ = evidence.proved_range(claim.published)
-    if other is not None and claim.kind not in PROVED:
-        floor = max(floor, other.value if other.lower is None else other.lower)
-        ceiling = min(ceiling, other.value if other.upper is None else other.upper)
-    elif other is None and floor == -math.inf and ceiling == math.inf:
+    if _contradictory(floor, ceiling, other):
+        return Judgement("failed", note=f"the evidence on {claim.published} contradicts itself", **shared)
+    if claim.kind not in PROVED:
+        floor, ceiling = _narrowed(floor, ceiling, other)
+    if other is None and floor == -math.inf and ceiling == math.inf:
         return _missing(case, claim.model_copy(update={"quantity": claim.published}), evidence)
     if high < floor:
         return Judgement("reproduced", **shared)
@@ -196,7 +234,9 @@ def judge(case: Case, claim: Claim, evidence: Evidence, verdicts: dict[str, str]
         return Judgement(worst, evidence="joined", witness=witness)
     if claim.id in evidence.scans and (claim.kind not in PROVED or evidence.scans[claim.id]["outcome"] == "depends"):
         return _judge_scan(claim, evidence.scans[claim.id])
-    decided_by_proof = claim.kind in ("identity", "definiteness", "feasibility")
-    if claim.comparator in ("feasible", "infeasible") or (decided_by_proof and claim.comparator == "equal"):
+    boolean = any(c.relation in ("holds", "fails") for c in evidence.concluded.get(claim.quantity, []))
+    if claim.comparator in ("feasible", "infeasible") or (
+        boolean and claim.kind in PROVED and claim.comparator == "equal"
+    ):
         return _judge_feasibility(case, claim, evidence)
     return _judge_number(case, claim, evidence)
