@@ -85,7 +85,7 @@ def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
 FIGURES = (
     FigureSpec("figure_2", ("nominal",), "Figure 2: velocity components of the error vector.", estimation_error),
     FigureSpec("figure_3", ("nominal",), "Figure 3: relative velocities along each axis.", velocities),
-    FigureSpec("figure_4", ("nominal",), "Figure 4: thrusts with the bounds of (5); left the first 20 s.", thrusts, 5.0),
+    FigureSpec("figure_4", ("nominal",), "Figure 4: thrusts with their bounds (5); left the first 20 s.", thrusts, 5.0),
     FigureSpec("figure_5", ("nominal",), "Figure 5: rendezvous trajectory of the first 3000 s.", trajectory),
     FigureSpec("starts", ("nominal", "exact_start", "blind_start"),
                "What the paper leaves out decides: thrust along y under three starts of the estimate.", starts),

@@ -34,6 +34,8 @@ CAPTURE_RADIUS = 10.0
 #: the estimate has settled once its velocity error stays below this part of the first one
 SETTLED = 0.01
 RTOL = 1e-12
+#: what the paper calls initial fluctuations of the thrust is looked for in this first part, s
+_FLUCTUATION = 20.0
 
 
 def sample_times(end: float) -> np.ndarray:
@@ -50,6 +52,7 @@ def scalars(case: Case, loop: ClosedLoop, trajectory: Trajectory) -> dict[str, t
         "cost": (end, float(final[COST]), "1"),
         "delta_v": (end, float(final[DELTA_V]), "m/s"),
         "squared_error": (end, float(final[SQUARED_ERROR]), "1"),
+        "final_range": (end, float(np.linalg.norm(final[POSITION])), "m"),
         "range_3000s": (3000.0, float(np.linalg.norm(trajectory(3000.0)[POSITION])), "m"),
     }
     for index, axis in enumerate(AXES):
@@ -126,6 +129,11 @@ def measure(prefix: str, wanted: tuple[str, ...]) -> Callable[[Case, Log], Mappi
             band = abs(value - log.summaries[f"second_{name}"])
             method = "DOP853 at 1e-12, located on dense output; band: difference to LSODA at 1e-12"
             found[f"{prefix}.{name}"] = Measured(value, method, value - band, value + band)
+        if prefix in ("audit", "audit.exact_start"):
+            thrust = log["/chaser/thrust"]
+            early = thrust.column("x")[thrust.time <= _FLUCTUATION]
+            variation = float(np.sum(np.abs(np.diff(early))))
+            found[f"{prefix}.fluctuation"] = Measured(variation, "sum of the changes between samples 0.05 s apart")
         if "error_settling" in wanted and "capture_10m" in wanted:
             share = log.extremes["error_settling"][1] / log.extremes["capture_10m"][1]
             found[f"{prefix}.error_settling_share"] = Measured(share, "settling time of the estimate over capture time")
@@ -135,7 +143,7 @@ def measure(prefix: str, wanted: tuple[str, ...]) -> Callable[[Case, Log], Mappi
 
 
 PEAKS = tuple(f"peak_f{axis}" for axis in AXES)
-FULL = ("cost", "delta_v", *PEAKS, "range_3000s", "capture_10m")
+FULL = ("cost", "delta_v", *PEAKS, "range_3000s", "final_range", "capture_10m")
 
 
 def printed(start: str, *, linear: bool = False, clipped: bool = False) -> Callable[..., None]:

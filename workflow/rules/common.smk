@@ -33,8 +33,8 @@ def sources(paper, *without):
 
 
 def tables(paper):
-    """Tables of a paper that computations read."""
-    names = ["paper.toml", "parameters.csv", "quantities.csv"]
+    """Tables of a paper that computations read; certificates quote the claims that they bear on."""
+    names = ["paper.toml", "parameters.csv", "quantities.csv", "claims.csv"]
     printed = sorted(str(path) for path in Path("papers", paper, "printed").glob("*.csv"))
     return [f"papers/{paper}/{name}" for name in names] + printed
 

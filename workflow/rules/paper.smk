@@ -8,7 +8,7 @@ for paper in PAPERS:
         input:
             tables=tables(paper),
             code=sources(paper, "audit", "runs", "figures"),
-            library=library("synthesis", "logs", "figures", "verdicts", "report"),
+            library=library("synthesis", "logs", "figures", "report"),
         output:
             parts(paper, "synthesis"),
         params:
@@ -22,7 +22,7 @@ for paper in PAPERS:
         input:
             tables=tables(paper),
             code=sources(paper, "synthesis", "runs", "figures"),
-            library=library("audit", "logs", "figures", "verdicts", "report"),
+            library=library("audit", "logs", "figures", "report"),
         output:
             parts(paper, "audit"),
         params:

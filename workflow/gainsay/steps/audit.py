@@ -13,7 +13,7 @@ def audit(case: Case) -> None:
     """Run every audit task of a paper; one that breaks leaves a failed record and the others run."""
     results = Results(case, "audit", verify=lambda certificate: check(certificate, case))
     tasks = ()
-    with results.task("audit", "import"):
+    with results.task("audit", "import", quiet=True):
         tasks = import_module(f"papers.{case.name}.audit").TASKS
     run_tasks(results, tasks)
 

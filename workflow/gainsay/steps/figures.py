@@ -3,6 +3,7 @@
 import sys
 from importlib import import_module
 
+from gainsay.errors import ComputationError
 from gainsay.figures import FigureSpec, save
 from gainsay.logs import read_log
 from gainsay.steps.command import step_command
@@ -12,7 +13,11 @@ from gainsay.tables.results import Results
 
 def draw(case: Case, figure: FigureSpec) -> None:
     """Draw one figure from the logs of its runs, as SVG and PNG."""
-    logs = {run: read_log(case.results / "logs" / f"{run}.mcap") for run in figure.runs}
+    paths = {run: case.results / "logs" / f"{run}.mcap" for run in figure.runs}
+    for run, path in paths.items():
+        if not path.is_file():
+            raise ComputationError(figure.name, f"the run {run} left no log")
+    logs = {run: read_log(path) for run, path in paths.items()}
     save(figure, logs, case, case.results / "figures")
 
 
@@ -20,7 +25,7 @@ def figures(case: Case) -> None:
     """Draw every figure; one that breaks leaves a failed record and the others are drawn."""
     results = Results(case, "figures")
     specs = ()
-    with results.task("figures", "import"):
+    with results.task("figures", "import", quiet=True):
         specs = import_module(f"papers.{case.name}.figures").FIGURES
     for figure in specs:
         with results.task(figure.name, "draw"):

@@ -48,7 +48,7 @@ def simulation(case: Case) -> None:
     """Run every declared run of a paper; one that breaks leaves a failed record and the others run."""
     results = Results(case, "simulation")
     runs: dict[str, RunSpec] = {}
-    with results.task("runs", "import"):
+    with results.task("runs", "import", quiet=True):
         runs = {run.name: run for run in import_module(f"papers.{case.name}.runs").RUNS}
     if runs and set(runs) != set(case.paper.runs):
         raise InputError(

@@ -13,7 +13,7 @@ def synthesis(case: Case) -> None:
     """Run every synthesis task of a paper; one that breaks leaves a failed record and the others run."""
     results = Results(case, "synthesis", verify=lambda certificate: check(certificate, case))
     tasks = ()
-    with results.task("synthesis", "import"):
+    with results.task("synthesis", "import", quiet=True):
         tasks = import_module(f"papers.{case.name}.synthesis").TASKS
     run_tasks(results, tasks)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from gainsay.errors import ComputationError, GainsayError, InputError
 from gainsay.tables.case import Case
-from gainsay.tables.files import read_csv, read_text, write_csv, write_json
+from gainsay.tables.files import read_csv, read_text, write_atomically, write_csv, write_json
 from gainsay.tables.reading import PrintedMatrix
 
 QUANTITY_COLUMNS = ("quantity", "value", "unit", "lower", "upper", "method", "source")
@@ -139,7 +139,7 @@ class Results:
                 self._verify(certificate)
             except GainsayError as error:
                 raise ComputationError(certificate.id, f"certificate refused: {error}") from error
-        certificate.write(self._file(f"certificates/{certificate.id}.json"))
+        write_atomically(self._file(f"certificates/{certificate.id}.json"), certificate.to_json())
 
     def design(self, name: str, *, note: str = "", **matrices: np.ndarray) -> None:
         """Write the gains of a design that a later step simulates."""
@@ -199,17 +199,17 @@ class Results:
         self._clock, self._said = now, True
 
     @contextmanager
-    def task(self, where: str, name: str) -> Iterator[None]:
+    def task(self, where: str, name: str, *, quiet: bool = False) -> Iterator[None]:
         """Run a part of the step: if it breaks, keep a failed record and go on.
 
-        Bad input is no broken computation: it ends the step.
+        Bad input is no broken computation: it ends the step. A quiet part says nothing when all is well.
         """
         self._said = False
         try:
             yield
-        except InputError:
-            raise
         except Exception as error:  # whatever broke must not hide the paper's other results
+            if isinstance(error, InputError) and error.file is not None:
+                raise  # a file at fault is bad input; without a file it is a call of ours that went wrong
             message = str(error) or type(error).__name__
             attempts = [dict(a) for a in getattr(error, "attempts", ())]
             self._rows["failures"].append((self.step, where, name, message))
@@ -218,7 +218,7 @@ class Results:
             tried = f", {len(attempts)} attempts" if attempts else ""
             self.say(where, f"FAILED{tried}: {message}")
         else:
-            if not self._said:
+            if not self._said and not quiet:
                 self.say(where, "done")
 
     def close(self) -> None:

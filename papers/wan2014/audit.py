@@ -1,0 +1,272 @@
+"""The audit of what section 4 prints: n, (2)-(3), (39)-(44), and the thrust bounds over what the paper leaves out."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+from itertools import permutations, product
+
+import numpy as np
+from flint import arb, arb_mat, fmpq, fmpq_mat
+from scipy.linalg import solve_continuous_lyapunov
+from scipy.optimize import brentq
+
+from gainsay.exact.ball import precision
+from gainsay.proof import Certificate, build
+from gainsay.simulation.ode import largest
+from gainsay.systems.statespace import spectral_abscissa
+from gainsay.tables import Case
+from gainsay.tables.results import Results, task
+from gainsay.verdicts.scan import plausible, scan
+from papers.wan2014 import plant
+from papers.wan2014.plant import ESTIMATE, ClosedLoop
+
+#: a pole nearer to its place than this is not worth a certificate that it is missed, 1/s
+_WORTH_PROVING = 1e-3
+#: A of (2) and C of (39) as formulas over the tables, for certificates
+A_FORMULA = (
+    "[[zeros(3, 3), eye(3)], [[[3*n**2, 0, 0], [0, 0, 0], [0, 0, -n**2]], [[0, 2*n, 0], [-2*n, 0, 0], [0, 0, 0]]]]"
+)
+DEFINITIONS = (("n", "number('mean_motion')"), ("A", A_FORMULA), ("B", "[[zeros(3, 3)], [eye(3)]] / number('mass')"))
+
+
+@task("Section 4, n")
+def mean_motion(case: Case, results: Results) -> None:
+    """Compute n from the perigee radius and e; the enclosure spans the plausible values of mu."""
+    n = plant.target_orbit(case).mean_motion
+    a = plant.target_orbit(case).semi_major_axis
+    low, high = (float(end) * 1e9 for end in case.parameters["gravitational_parameter"].plausible.split(".."))
+    results.quantity(
+        "audit.mean_motion", n, method="sqrt(mu / a^3), a = r_p / (1 - e); range over the plausible mu",
+        source="Section 4", lower=(low / a**3) ** 0.5, upper=(high / a**3) ** 0.5,
+    )  # fmt: skip
+    results.say("Section 4, n", f"n = {n:.6g} rad/s")
+
+
+def observability_rank(A: fmpq_mat, C: fmpq_mat) -> int:
+    """Return the rank of the observability matrix of (A, C), exactly."""
+    rows, block = [], C
+    for _ in range(A.nrows()):
+        rows += block.tolist()
+        block = block * A
+    return fmpq_mat(rows).rank()
+
+
+@task("(6), (39)")
+def observability(case: Case, results: Results) -> None:
+    """Count the observable ones among the 64 diagonal 0/1 output matrices, in rationals."""
+    n = case.exact("mean_motion")
+    exact = [[fmpq(0)] * 6 for _ in range(6)]
+    for i in range(3):
+        exact[i][3 + i] = fmpq(1)
+    rate = fmpq(n.numerator, n.denominator)
+    exact[3][0], exact[3][4], exact[4][3], exact[5][2] = 3 * rate**2, 2 * rate, -2 * rate, -(rate**2)
+    A = fmpq_mat(exact)
+    count = 0
+    for measured in product((0, 1), repeat=6):
+        C = fmpq_mat([[int(i == j and measured[i]) for j in range(6)] for i in range(6)])
+        count += observability_rank(A, C) == 6
+    results.quantity("audit.observable_outputs", count, method="rank of the observability matrix in rationals",
+                     source="Section 4")  # fmt: skip
+    rows = [[fmpq(x.numerator, x.denominator) for x in row] for row in case.printed("C").exact]
+    rank = observability_rank(A, fmpq_mat(rows))
+    results.quantity("audit.observability_rank", rank, method="rank of the observability matrix in rationals",
+                     source="(39)")  # fmt: skip
+    results.say("(6), (39)", f"{count} of 64 output matrices observable; (39) has rank {rank}")
+
+
+@task("(3), (42)")
+def factorisation(case: Case, results: Results) -> None:
+    """Prove Delta A = E1 Lambda E2 for every e, n and M, and that Lambda' Lambda < I fails."""
+    results.certificate(
+        build.certificate(
+            "identity",
+            id="eq3-factorisation",
+            paper=case.name,
+            tables=case,
+            claims=("eq3-factorisation",),
+            statement="Delta A of (2) equals E1 Lambda E2 of (42) for every e, n and M (s = sin M, c = cos M).",
+            unknowns={"e": {}, "n": {}, "s": {}, "c": {}},
+            definitions=(
+                ("E1", "printed('E1_over_e') * e"),
+                ("P", "printed('E2_coefficient')"),
+                # (42) prints n^2 everywhere but in rows 3 and 4, columns 5 and 4, where it prints n
+                ("linear", "P[2, 4] * unit(6, 2) @ unit(6, 4).T + P[3, 3] * unit(6, 3) @ unit(6, 3).T"),
+                ("E2", "n**2 * (P - linear) + n * linear"),
+                ("Lambda", "diag(s, -s, c, c, -0.5*c, c)"),
+                ("row_x", "[[10*e*n**2*c, -2*e*n**2*s, 0, 0, 4*e*n*c, 0]]"),
+                ("row_y", "[[2*e*n**2*s, e*n**2*c, 0, -4*e*n*c, 0, 0]]"),
+                ("row_z", "[[0, 0, -3*e*n**2*c, 0, 0, 0]]"),
+                ("Delta", "col(zeros(3, 6), row_x, row_y, row_z)"),
+            ),
+            fields={"left": "Delta", "right": "E1 @ Lambda @ E2"},
+            quantities={"identity": "eq3.factorisation"},
+        )
+    )
+    results.quantity(
+        "eq3.factorisation", 1, method="polynomial identity in e, n, sin M, cos M", source="(2), (3), (42)"
+    )
+    results.certificate(
+        build.certificate(
+            "not_definite",
+            id="eq3-strict-bound",
+            paper=case.name,
+            tables=case,
+            claims=("eq3-strict-bound",),
+            statement="Lambda' Lambda < I fails at M = 0: its third diagonal entry cos M is then 1.",
+            definitions=(("Lambda", "diag(0, 0, 1, 1, -0.5, 1)"),),
+            fields={"constraint": "eye(6) - Lambda.T @ Lambda > zeros(6, 6)"},
+            witness={"z": [["0"], ["0"], ["1"], ["0"], ["0"], ["0"]]},
+            quantities={"definite": "eq3.strict_bound"},
+        )
+    )
+    results.quantity("eq3.strict_bound", 0, method="I - Lambda' Lambda is singular at M = 0", source="(3), (42)")
+    dead = int(np.sum(~case.matrix("E1_over_e").any(axis=0)))
+    results.quantity("audit.dead_channels", dead, method="zero columns of E1", source="(42)")
+    results.say("(3), (42)", "factorisation holds for every e, n, M; the strict bound fails at M = 0")
+
+
+def matched_distance(found: np.ndarray, wanted: np.ndarray) -> float:
+    """Return the largest distance between two sets of poles under the matching that makes it least."""
+    gaps = np.abs(found[:, None] - wanted[None, :])
+    return float(min(max(gaps[i, j] for i, j in enumerate(order)) for order in permutations(range(len(wanted)))))
+
+
+@task("(40), (41)")
+def observer_poles(case: Case, results: Results) -> None:
+    """Compare the poles of A - LC with (40); prove that no L with the printed digits places them."""
+    model, L, C = plant.design_model(case), case.matrix("L"), case.matrix("C")
+    poles = np.linalg.eigvals(model.A - L @ C)
+    pairs = case.matrix("observer_poles")
+    wanted = np.concatenate([pairs[:, 0] + 1j * pairs[:, 1], pairs[:, 0] - 1j * pairs[:, 1]])
+    error = matched_distance(poles, wanted)
+    results.quantity(
+        "audit.observer_pole_error", error, method="eigenvalues, best of all matchings", source="(40), (41)"
+    )
+    abscissa = float(poles.real.max())
+    results.quantity("audit.observer_abscissa", abscissa, method="eigenvalues of A - LC", source="(41)")
+    missed = []
+    for number, row in enumerate(case.printed("observer_poles").rows, start=1):
+        gap = np.abs(poles - complex(float(row[0]), float(row[1]))).min()
+        if gap < _WORTH_PROVING:
+            continue
+        results.certificate(
+            build.certificate(
+                "not_an_eigenvalue",
+                id=f"eq40-pole-pair-{number}",
+                paper=case.name,
+                tables=case,
+                claims=("eq40-poles",),
+                statement=f"{row[0].text} + j{row[1].text} is no eigenvalue of A - LC for any L, n that round as printed.",
+                definitions=(("n", "interval(0.001125, 0.001135)"), ("A", A_FORMULA), ("L", "box('L')")),
+                fields={"matrix": "A - L @ printed('C')", "real": row[0].text, "imaginary": row[1].text},
+                quantities={"eigenvalue": "eq40.poles_placed"},
+            )
+        )
+        missed.append(row[0].text)
+    results.quantity("eq40.poles_placed", int(not missed), method="regularity of s I - A + LC over the printed digits",
+                     source="(40), (41)")  # fmt: skip
+    results.certificate(
+        half_plane(case, "observer-stable", "A - printed('L') @ printed('C')", model.A - L @ C, "-0.4",
+                   "audit.observer_abscissa")
+    )  # fmt: skip
+    results.say("(40), (41)", f"poles of A - LC miss (40) by {error:.4f} 1/s; stable, abscissa {abscissa:.4f}")
+
+
+def half_plane(case: Case, claim: str, formula: str, matrix: np.ndarray, alpha: str, quantity: str) -> Certificate:
+    """Return a certificate that every eigenvalue of a matrix has a real part below alpha (decimal text)."""
+    shifted = matrix - float(alpha) * np.eye(len(matrix))
+    return build.certificate(
+        "lyapunov",
+        id=claim,
+        paper=case.name,
+        tables=case,
+        claims=(claim,),
+        statement=f"Every eigenvalue of {formula} has a real part below {alpha}.",
+        definitions=DEFINITIONS,
+        fields={"matrix": formula, "alpha": alpha},
+        witness={"P": solve_continuous_lyapunov(shifted.T, -np.eye(len(matrix)))},
+        quantities={"abscissa": quantity},
+    )
+
+
+@task("(10), (11)")
+def feedback_poles(case: Case, results: Results) -> None:
+    """Compute the poles of A - BK with the printed K and certify their half plane."""
+    model = plant.design_model(case)
+    closed = model.A - model.B @ case.matrix("K")
+    abscissa = spectral_abscissa(closed)
+    results.quantity("audit.feedback_abscissa", abscissa, method="eigenvalues of A - BK", source="(44)")
+    results.certificate(
+        half_plane(case, "feedback-stable", "A - B @ printed('K')", closed, "0", "audit.feedback_abscissa")
+    )
+
+
+def _ball(value: Fraction, half_unit: Fraction) -> arb:
+    return arb(fmpq(value.numerator, value.denominator), fmpq(half_unit.numerator, half_unit.denominator))
+
+
+def interval_gain(case: Case) -> list[list[arb]]:
+    """Return the ball enclosure of Y X^-1 over every X and Y that round to the printed digits."""
+
+    def box(name: str) -> arb_mat:
+        printed = case.printed(name)
+        return arb_mat([
+            [_ball(value, half) for value, half in zip(*rows, strict=True)]
+            for rows in zip(printed.exact, printed.half_units, strict=True)
+        ])  # fmt: skip
+
+    with precision(128):
+        return (box("Y") * box("X").inv()).tolist()
+
+
+@task("(43), (44)")
+def gain_rounding(case: Case, results: Results) -> None:
+    """Compare K with Y X^-1 from the printed digits, and count the entries that the digits' rounding explains."""
+    X, Y, K = case.matrix("X"), case.matrix("Y"), case.matrix("K")
+    computed = np.linalg.solve(X.T, Y.T).T
+    ratio = float(np.max(np.maximum(np.abs(computed / K), np.abs(K / computed))))
+    results.quantity("audit.gain_ratio", ratio, method="largest factor between K and Y X^-1, entry by entry",
+                     source="(43), (44)")  # fmt: skip
+    enclosure, printed = interval_gain(case), case.printed("K")
+    inside = sum(
+        enclosure[i][j].overlaps(_ball(printed.exact[i][j], printed.half_units[i][j]))
+        for i in range(3)
+        for j in range(6)
+    )
+    results.quantity("audit.gain_entries_explained", inside, source="(43), (44)",
+                     method="entries of K inside the ball enclosure of Y X^-1 over the rounding box")  # fmt: skip
+    results.say("(43), (44)", f"Y X^-1 off by a factor up to {ratio:.1f}; rounding explains {inside} of 18 entries")
+
+
+#: the transient in which the largest thrust falls whatever the start, s
+_TRANSIENT = 120.0
+
+
+def thrust_ratio(case: Case, position_share: float, velocity_share: float) -> float:
+    """Return the largest thrust over its bound when parts of the initial state are known to the observer."""
+    loop = ClosedLoop(case, case.matrix("K"), case.matrix("L"))
+    x0 = case.matrix("x0").ravel()
+    start = np.concatenate([position_share * x0[:3], velocity_share * x0[3:]])
+    trajectory = loop.simulate(start, _TRANSIENT, rtol=1e-9)
+    return largest(trajectory, lambda t, x: np.max(np.abs(loop.thrust(x[:, ESTIMATE])) / loop.limits, axis=1))[1]
+
+
+@task("Figure 4, (5)")
+def thrust_over_starts(case: Case, results: Results) -> None:
+    """Scan the thrust bounds over the starts of the observer, which the paper does not give."""
+
+    def evaluate(inputs: Mapping) -> float:
+        return thrust_ratio(case, inputs["estimate_position_share"], inputs["estimate_velocity_share"])
+
+    inputs = [plausible(case, "estimate_position_share"), plausible(case, "estimate_velocity_share")]
+    found = scan("fig4-bounds", "audit.thrust_ratio", inputs, evaluate, lambda ratio: ratio <= 1,
+                 criterion="every thrust within its bound of (5)")  # fmt: skip
+    results.scan(found)
+    results.quantity("audit.thrust_ratio", thrust_ratio(case, 1.0, 0.0), source="Figure 4",
+                     method="largest thrust over its bound, estimate starting at the measured position")  # fmt: skip
+    boundary = brentq(lambda share: thrust_ratio(case, share, 0.0) - 1, 0.0, 1.0, xtol=1e-9)
+    method = "root of the thrust ratio less one over the known part of the position, no velocity known"
+    results.quantity("audit.start_boundary", boundary, method=method, source="Figure 4")
+    results.say("Figure 4, (5)", found.note)
+
+
+TASKS = (mean_motion, observability, factorisation, observer_poles, feedback_poles, gain_rounding, thrust_over_starts)
