@@ -167,7 +167,7 @@ def empty(png: bytes, view_class: str) -> bool:
     from PIL import Image
 
     image = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=int)
-    inner = image[2:-22, 60:-10] if view_class == "TimeSeries" else image[60:-10, 10:-10]
+    inner = image[2:-17, 60:-10] if view_class == "TimeSeries" else image[60:-10, 10:-10]
     if not inner.size:
         return True
     flat = inner.reshape(-1, 3)
