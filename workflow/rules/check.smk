@@ -24,5 +24,7 @@ rule check:
         "results/differences.csv",
     output:
         touch("results/.checked"),
+    params:
+        papers=PAPERS,
     shell:
-        "gainsay check"
+        "gainsay check {params.papers}"

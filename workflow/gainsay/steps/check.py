@@ -19,9 +19,8 @@ def write_differences(root: Path, papers: list[str]) -> list[Difference]:
 
 def main() -> int:
     """Write the differences of the papers named; succeeds whatever they are, so that the file stays."""
-    root = find_root()
     try:
-        found = write_differences(root, sys.argv[1:])
+        found = write_differences(find_root(), sys.argv[1:])
     except InputError as error:
         return refuse(error)
     print(f"check       {len(found)} differences in {len(sys.argv) - 1} papers, see results/differences.csv")

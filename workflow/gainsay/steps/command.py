@@ -41,6 +41,7 @@ def step_command(work: Callable[[Case], None], about: str, arguments: Sequence[s
     options = parser.parse_args(arguments)
     try:
         root = find_root(options.root)
+        sys.path.insert(0, str(root))  # the modules of a paper come from the same project as its tables
         work(read_case(root, options.paper))
     except InputError as error:
         return refuse(error)

@@ -20,6 +20,7 @@ def views(case: Case) -> None:
     for run in case.paper.runs if layout is not None else ():
         path = case.results / "logs" / f"{run}.mcap"
         with results.task(run, "views"):
+            path.with_suffix(".rrd").unlink(missing_ok=True)  # an old view must not stand for a log that fails now
             if not path.is_file():
                 raise ComputationError(run, "the run left no log")
             write_views(path, layout)

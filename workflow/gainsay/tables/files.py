@@ -6,7 +6,7 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -36,7 +36,7 @@ def cell(value: object) -> str:
         return "1" if value else "0"
     if isinstance(value, float):
         return repr(float(value)) if math.isfinite(value) else str(value)
-    return str(value)
+    return str(value).replace("\r\n", "\n").replace("\r", "\n")  # csv would leave a bare carriage return unquoted
 
 
 def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
@@ -48,9 +48,10 @@ def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]
     write_atomically(path, text.getvalue())
 
 
-def write_json(path: Path, content: object) -> None:
-    """Write JSON with sorted keys, atomically."""
-    write_atomically(path, json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
+def write_json(path: Path, content: object, default: Callable[[object], object] | None = None) -> None:
+    """Write JSON with sorted keys, atomically; `default` turns what JSON does not know into what it does."""
+    text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False, default=default)
+    write_atomically(path, text + "\n")
 
 
 def shown(path: Path, root: Path | None) -> str:

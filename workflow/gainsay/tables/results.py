@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gainsay.errors import ComputationError, GainsayError, InputError
+from gainsay.errors import ComputationError, GainsayError, InputError, LogError
 from gainsay.tables.case import Case
 from gainsay.tables.files import read_csv, read_text, write_atomically, write_csv, write_json
 from gainsay.tables.reading import PrintedMatrix
@@ -40,6 +40,11 @@ def task(where: str) -> Callable[[TaskFunction], TaskFunction]:
     return mark
 
 
+def _listed(value: object) -> object:
+    """Write what JSON does not know: arrays as lists, anything else by its text; a note must never stop a step."""
+    return value.tolist() if hasattr(value, "tolist") else str(value)
+
+
 class Results:
     """Collects what a step of a paper finds and writes it when the step ends.
 
@@ -66,12 +71,21 @@ class Results:
         return self.case.results / "parts" / f"{self.step}.files.csv"
 
     def _forget_earlier_files(self) -> None:
+        """Delete what an earlier run of the step left, so that an interrupted step does not look like a done one."""
         if self._listing().is_file():
             for _, (file,) in read_csv(self._listing())[1]:
                 (self.case.results / file).unlink(missing_ok=True)
             self._listing().unlink()
+        for part in PARTS:
+            (self.case.results / "parts" / f"{self.step}.{part}.csv").unlink(missing_ok=True)
+
+    def _discard(self) -> None:
+        for file in self._written:
+            (self.case.results / file).unlink(missing_ok=True)
 
     def _file(self, relative: str) -> Path:
+        if relative in self._written:
+            raise ComputationError(relative, "written twice")
         self._written.append(relative)
         return self.case.results / relative
 
@@ -144,6 +158,8 @@ class Results:
     def design(self, name: str, *, note: str = "", **matrices: np.ndarray) -> None:
         """Write the gains of a design that a later step simulates."""
         content = {key: np.asarray(value, dtype=float).tolist() for key, value in matrices.items()}
+        if not all(np.isfinite(value).all() for value in content.values()):
+            raise ComputationError(name, "the design has entries that are not finite")
         write_json(self._file(f"designs/{name}.json"), {"name": name, "note": note, "matrices": content})
 
     def read_design(self, name: str) -> dict[str, np.ndarray]:
@@ -208,9 +224,11 @@ class Results:
         try:
             yield
         except Exception as error:  # whatever broke must not hide the paper's other results
-            if isinstance(error, InputError) and error.file is not None:
-                raise  # a file at fault is bad input; without a file it is a call of ours that went wrong
-            message = str(error) or type(error).__name__
+            # A table at fault is bad input; without a file it is a call of ours that went wrong, and a log is our own.
+            if isinstance(error, InputError) and error.file is not None and not isinstance(error, LogError):
+                self._discard()
+                raise
+            message = " ".join(str(error).replace(f"{self.case.root}/", "").split()) or type(error).__name__
             attempts = [dict(a) for a in getattr(error, "attempts", ())]
             self._rows["failures"].append((self.step, where, name, message))
             self._attempts.append({"where": where, "failed": message, "attempts": attempts,
@@ -224,7 +242,7 @@ class Results:
     def close(self) -> None:
         """Write the tables of this step."""
         parts = self.case.results / "parts"
-        write_json(self.case.results / "attempts" / f"{self.step}.json", self._attempts)
+        write_json(self.case.results / "attempts" / f"{self.step}.json", self._attempts, default=_listed)
         write_csv(self._listing(), ("file",), [(file,) for file in sorted(self._written)])
         for part, columns in PARTS.items():
             write_csv(parts / f"{self.step}.{part}.csv", columns, self._rows[part])

@@ -52,10 +52,13 @@ def differences(case: Case) -> list[Difference]:
     found: list[Difference] = []
     for row in rows_of(case.results / "failures.csv", case.root):
         found.append((case.name, "failure", f"{row['step']} {row['where']}", "", row["message"], row["task"]))
-    for row in rows_of(case.results / "verdicts.csv", case.root):
-        if row["verdict"] != row["expected"] or row["verdict"] == "failed":
-            note = row["note"] or row["witness"]
-            found.append((case.name, "verdict", row["claim"], row["expected"], row["verdict"], note))
+    verdicts = {row["claim"]: row for row in rows_of(case.results / "verdicts.csv", case.root)}
+    for claim in case.claims.values():
+        row = verdicts.get(claim.id, {"verdict": "missing", "note": "run the verdicts again", "witness": ""})
+        if row["verdict"] != claim.expected or row["verdict"] == "failed":
+            found.append(
+                (case.name, "verdict", claim.id, claim.expected, row["verdict"], row["note"] or row["witness"])
+            )
     found += _quantity_differences(case)
     found += _witness_differences(case)
     wanted = [f"logs/{run}.{ending}" for run in case.paper.runs for ending in ("mcap", "rrd")]
