@@ -183,7 +183,8 @@ def infimum(program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9)) -
         return Failed(program.label, tuple(attempts))
     uppers, best = _uppers(program, scale, margins, solved, attempts)
     lowers = [-np.inf] * len(margins)
-    for dual_scale in (scale, scaling.balanced(program, scale, flat.x * scale.unknowns, flat.multipliers)):
+    sharp, balanced = _sharpened(program, scale, flat, attempts)
+    for dual_scale in (scale, balanced):
         found = _lowers(program, dual_scale, margins, attempts)
         lowers = found if max(found) > max(lowers) else lowers
         if best.objective - max(lowers) < 1e-7 * abs(best.objective):
@@ -194,7 +195,21 @@ def infimum(program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9)) -
     if not lower <= value <= best.objective:
         value = (lower + best.objective) / 2 if np.isfinite(lower) else best.objective
     best = Solved(best.values, best.objective, best.check, best.gap, tuple(attempts))
-    return Infimum(value, lower, best.objective, program.values(flat.x * scale.unknowns), best, tuple(attempts))
+    return Infimum(value, lower, best.objective, program.values(sharp), best, tuple(attempts))
+
+
+def _sharpened(program: Program, scale: scaling.Scaling, flat: backends.Raw, attempts: list) -> tuple:
+    """Point at the infimum from balanced scalings, which resolve directions of little weight; smallest gap wins."""
+    x, gap = flat.x * scale.unknowns, abs(flat.primal - flat.dual)
+    balanced = scale = scaling.balanced(program, scale, x, flat.multipliers)
+    for _ in range(2):
+        raw = backends.run(scaling.apply(program, scale), program.constraints, 0.0)
+        attempts.append({**raw.record, "aim": "infimum, balanced", "objective": raw.primal * scale.cost})
+        if raw.x is None or not abs(raw.primal - raw.dual) < max(2 * gap, 1e-10 * abs(raw.primal)):
+            break
+        x, gap = raw.x * scale.unknowns, abs(raw.primal - raw.dual)
+        scale = scaling.balanced(program, scale, x, raw.multipliers)
+    return x, balanced
 
 
 def _uppers(program: Program, scale: scaling.Scaling, margins: tuple, best: Solved, attempts: list) -> tuple:
