@@ -56,7 +56,7 @@ def docs(options: argparse.Namespace) -> int:
     from gainsay.tables.files import write_atomically
 
     stale = []
-    for file, text in documents().items():
+    for file, text in documents(options.root).items():
         path = options.root / file
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             stale.append(file)
