@@ -110,8 +110,53 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def logs(options: argparse.Namespace) -> int:
+    """List the runs with their duration, topics and size."""
+    from gainsay.logs.commands import list_logs
+
+    return list_logs(options.root, options.paper)
+
+
+def view(options: argparse.Namespace) -> int:
+    """Open a run in the Rerun viewer with its layout."""
+    from gainsay.logs.commands import view as open_run
+
+    return open_run(options.root, options.paper, options.run, web=options.web)
+
+
+def gallery(options: argparse.Namespace) -> int:
+    """Render every run without a screen and check that no view is broken or empty."""
+    from gainsay.logs.commands import gallery as render_all
+
+    return render_all(options.root, options.papers)
+
+
+def replay(options: argparse.Namespace) -> int:
+    """Recompute every quantity and figure of a run from its log alone and say where they differ from those on file."""
+    from gainsay.steps.replay import replay as replay_log
+
+    differing = 0
+    for path in options.logs:
+        name, found = replay_log(options.root, path.resolve(), figures=not options.numbers_only)
+        for line in found:
+            print(f"{name}  {line}")
+        if not found:
+            print(f"{name}  every quantity and figure is as on file")
+        differing += bool(found)
+    return DIFFERENCES if differing else CLEAN
+
+
 def _add_log_commands(add: Callable[..., argparse.ArgumentParser]) -> None:
     """Add the commands that work on logs."""
+    add("logs", logs).add_argument("paper", nargs="?", help="of one paper; default: all")
+    opened = add("view", view)
+    opened.add_argument("paper", help="folder name below papers/")
+    opened.add_argument("run", nargs="?", help="default: the first in the order of names")
+    opened.add_argument("--web", action="store_true", help="in the web browser")
+    add("gallery", gallery).add_argument("papers", nargs="*", help="default: all")
+    replayed = add("replay", replay)
+    replayed.add_argument("logs", nargs="+", type=Path, metavar="log.mcap")
+    replayed.add_argument("--numbers-only", action="store_true", help="leave the figures out")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
