@@ -1,0 +1,302 @@
+"""Mixed H2/H-infinity state feedback of pinheiro2013: the LMIs (21), their limits, and checks by other means."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
+from scipy.optimize import minimize, minimize_scalar
+
+from gainsay.errors import ComputationError, InputError
+from gainsay.lmi import BlockMatrix, Failed, Infeasible, Program, Scale, Solved, matrix, solve, sym, symmetric, trace
+from gainsay.systems.norms import h2_norm, hinf_norm
+from papers.pinheiro2013.plant import GeneralizedPlant
+
+#: how far above its infimum the H-infinity level is taken where the infimum itself is wanted
+ABOVE = 1.001
+
+
+def h_infinity_block(plant: GeneralizedPlant, gamma: float, X, Y, sign: int = -1) -> BlockMatrix:
+    """First LMI of (21), block names after what the rows stand for.
+
+    Parameters
+    ----------
+    plant : GeneralizedPlant
+    gamma : float
+    X, Y : Variable
+        Symmetric (n, n); full (m, n).
+    sign : {-1, 1}
+        Sign of gamma^2 I in block (3, 3): -1 as the bounded real lemma has it, +1 as printed (erratum
+        `eq21-gamma-sign`).
+    """
+    F = BlockMatrix("(21)" if sign < 0 else "(21) as printed", "state", "disturbance", "error")
+    F["state", "state"] = sym(plant.A @ X - plant.B2 @ Y)
+    F["state", "disturbance"] = plant.B1
+    F["state", "error"] = (plant.C1 @ X - plant.D12 @ Y).T
+    F["disturbance", "disturbance"] = -np.eye(plant.B1.shape[1])
+    F["disturbance", "error"] = plant.D11.T
+    F["error", "error"] = sign * gamma**2 * np.eye(plant.C1.shape[0])
+    return F
+
+
+def h2_block(plant: GeneralizedPlant, X, Y, Q) -> BlockMatrix:
+    """Second LMI of (21)."""
+    F = BlockMatrix("(21), second", "cost", "state")
+    F["cost", "cost"] = Q
+    F["cost", "state"] = plant.C2 @ X - plant.D22 @ Y
+    F["state", "state"] = X
+    return F
+
+
+def gamma_min(plant: GeneralizedPlant) -> float:
+    """Infimum of the H-infinity level over all state feedbacks: the norm of D11.
+
+    The norm of D11 bounds it from below, since the response at infinite frequency is D11 for every gain;
+    `limit_gain` reaches it.
+    """
+    return float(np.linalg.norm(plant.D11, 2))
+
+
+def limit_gain(plant: GeneralizedPlant) -> np.ndarray:
+    """Gain that decouples the axes and reaches `gamma_min` exactly.
+
+    Each axis then obeys q'' + k2 q' + k1 q = r w with z_inf = (q'', and a copies of q and b of q'), so that the
+    squared gain is |r|^2 (w^4 + b w^2 + a)/((k1 - w^2)^2 + k2^2 w^2): at most |r|^2 at every frequency for
+    k1 = sqrt a and k2^2 = 2 k1 + b.
+    """
+    a = len(plant.axes)
+    # Accelerations stand once in z_inf; what remains of C1'C1 counts the copies of angles and rates.
+    copies = np.round(np.diag(plant.C1.T @ plant.C1 - plant.A[a:].T @ plant.A[a:]))
+    stiffness = np.sqrt(copies[:a])
+    damping = np.sqrt(2 * stiffness + copies[a:])
+    wanted = np.hstack([np.diag(stiffness), np.diag(damping)])
+    return np.linalg.solve(plant.B2[a:], plant.A[a:] + wanted)
+
+
+@dataclass(frozen=True)
+class Design:
+    """A state feedback u = -K x with what it achieves.
+
+    Attributes
+    ----------
+    gamma : float or None
+        H-infinity level of the LMI; None for the H2 limit.
+    K : ndarray
+    sqrt_trace : float
+        Bound on the H2 norm by the LMI; for the H2 limit the norm itself.
+    h2, hinf : float
+        Actual norms from w to z_2 and to z_inf, recomputed from the gain.
+    attempts : tuple of dict
+    """
+
+    gamma: float | None
+    K: np.ndarray
+    sqrt_trace: float
+    h2: float
+    hinf: float
+    attempts: tuple[dict, ...] = ()
+
+
+def mixed_program(plant: GeneralizedPlant, gamma: float, *, margin: float = 1e-7) -> Program:
+    """State the mixed problem: least trace of Q subject to (21) with the corrected sign.
+
+    Raises
+    ------
+    InputError
+        If gamma does not exceed gamma_min, which the message names.
+    """
+    least = gamma_min(plant)
+    if not gamma > least:
+        raise InputError(
+            f"no state feedback reaches this level on {'/'.join(plant.axes)}, gamma_min = {least!r}",
+            field="gamma",
+            value=gamma,
+            expected=f"above {least!r}",
+        )
+    states, inputs = plant.B2.shape
+    X, Y, Q = symmetric("X", states), matrix("Y", inputs, states), symmetric("Q", plant.C2.shape[0])
+    typical = _typical_covariance(plant, gamma)
+    return Program(
+        minimise=trace(Q),
+        subject_to=[h_infinity_block(plant, gamma, X, Y) < 0, h2_block(plant, X, Y, Q) > 0],
+        scale=Scale(X=np.sqrt(np.diag(typical))),
+        label=f"(21) at gamma = {gamma:.6g}",
+        margin=margin,
+    )
+
+
+def mixed_design(plant: GeneralizedPlant, gamma: float, *, margin: float = 1e-7) -> Design:
+    """Solve (21) with the corrected sign for the least trace of Q and recompute both norms from the gain (22).
+
+    Raises
+    ------
+    InputError
+        If gamma does not exceed gamma_min.
+    ComputationError
+        If the solver's point does not hold, or its gain violates (23).
+    """
+    found = solve(mixed_program(plant, gamma, margin=margin))
+    if isinstance(found, Failed):
+        raise found.error
+    if isinstance(found, Infeasible):
+        raise ComputationError("(21)", f"infeasible at gamma = {gamma!r} although above gamma_min", found.attempts)
+    return evaluated(plant, gamma, found)
+
+
+def evaluated(plant: GeneralizedPlant, gamma: float, found: Solved) -> Design:
+    """Recompute what the gain of a solution achieves and hold it against (23)."""
+    K = np.linalg.solve(found["X"], found["Y"].T).T
+    A, B, C, D, C2 = plant.closed(K)
+    h2, (hinf, _) = h2_norm(A, B, C2), hinf_norm(A, B, C, D)
+    bound = float(np.sqrt(found.objective))
+    if hinf > gamma or h2 > bound:
+        raise ComputationError(
+            "(23)", f"norms {hinf!r}, {h2!r} above their bounds {gamma!r}, {bound!r}", found.attempts
+        )
+    return Design(gamma, K, bound, h2, hinf, found.attempts)
+
+
+def h2_design(plant: GeneralizedPlant) -> Design:
+    """Solve the H2 limit, gamma to infinity, by its Riccati equation."""
+    S = solve_continuous_are(plant.A, plant.B2, plant.C2.T @ plant.C2, plant.D22.T @ plant.D22)
+    K = np.linalg.solve(plant.D22.T @ plant.D22, plant.B2.T @ S)
+    A, B, C, D, C2 = plant.closed(K)
+    return Design(
+        None, K, float(np.sqrt(np.trace(plant.B1.T @ S @ plant.B1))), h2_norm(A, B, C2), hinf_norm(A, B, C, D)[0]
+    )
+
+
+def pitch_h2_closed_form(plant: GeneralizedPlant, moment: float) -> tuple[np.ndarray, float]:
+    """Gain and H2 norm of the H2 limit of one double integrator I q'' = -s q + u, in closed form.
+
+    K1 = sqrt(s^2 + Q1^2) - s, K2 = sqrt(Q2^2 + 2 I K1) with R = 1, and the norm is |r| sqrt(I K2).
+    """
+    angle, rate = plant.C2[0, 0] / plant.D22[-1, 0], plant.C2[1, 1] / plant.D22[-1, 0]
+    stiffness = -plant.A[1, 0] * moment
+    # Written so that nothing cancels where the stiffness exceeds the weight.
+    first = angle**2 / (np.sqrt(stiffness**2 + angle**2) + stiffness)
+    second = np.sqrt(rate**2 + 2 * moment * first)
+    return np.array([[first, second]]), float(np.linalg.norm(plant.B1[1]) * np.sqrt(moment * second) * plant.D22[-1, 0])
+
+
+def least_covariance(plant: GeneralizedPlant, K: np.ndarray, gamma: float) -> np.ndarray:
+    """Least X that satisfies the first LMI of (21) for a fixed gain, from its Riccati equation, without an LMI.
+
+    Raises
+    ------
+    ComputationError
+        If the gain does not reach the level.
+    """
+    A, B, C, D, _ = plant.closed(K)
+    R = gamma**2 * np.eye(C.shape[0]) - D @ D.T
+    try:
+        X = solve_continuous_are(A.T, C.T, B @ B.T, -R, s=B @ D.T)
+    except (np.linalg.LinAlgError, ValueError) as error:
+        raise ComputationError("(21)", f"no covariance at gamma = {gamma!r}: {error}") from error
+    cross = X @ C.T + B @ D.T
+    gain = np.linalg.solve(R, cross.T)
+    residual = A @ X + X @ A.T + B @ B.T + cross @ gain
+    # Only the stabilising solution is the least one, and only of an equation that was in fact solved.
+    stable = max(np.linalg.eigvals(A).real.max(), np.linalg.eigvals(A + gain.T @ C).real.max()) < 0
+    if not stable or np.abs(residual).max() > 1e-9 * np.abs(A @ X).max() or np.linalg.eigvalsh(X).min() <= 0:
+        raise ComputationError("(21)", f"the gain does not reach gamma = {gamma!r}")
+    return X
+
+
+def trace_of_gain(plant: GeneralizedPlant, K: np.ndarray, gamma: float) -> float:
+    """Least trace of Q for a fixed gain; infinite where the gain does not reach the level."""
+    try:
+        X = least_covariance(plant, K, gamma)
+    except ComputationError:
+        return np.inf
+    C2 = plant.closed(K)[4]
+    return float(np.trace(C2 @ X @ C2.T))
+
+
+def mixed_by_descent(plant: GeneralizedPlant, gamma: float, start: np.ndarray) -> tuple[np.ndarray, float]:
+    """Least trace of Q by descent over the gains with `trace_of_gain`: a second method without an LMI.
+
+    Returns
+    -------
+    K : ndarray
+    sqrt_trace : float
+    """
+    scale = np.maximum(np.abs(start), 1e-3 * np.abs(start).max())
+
+    def cost(y: np.ndarray) -> float:
+        return trace_of_gain(plant, y.reshape(start.shape) * scale, gamma)
+
+    x, best = (start / scale).ravel(), np.inf
+    for _ in range(20):
+        found = minimize(cost, x, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-13, "maxiter": 2000})
+        x = found.x
+        if not best - found.fun > 1e-13 * found.fun:
+            break
+        best = found.fun
+    return x.reshape(start.shape) * scale, float(np.sqrt(found.fun))
+
+
+def _typical_covariance(plant: GeneralizedPlant, gamma: float) -> np.ndarray:
+    """Covariance of the state for a gain that reaches the level: sizes for scaling only."""
+    for K in (h2_design(plant).K, limit_gain(plant)):
+        try:
+            return least_covariance(plant, K, gamma)
+        except ComputationError:
+            continue
+    A, B, *_ = plant.closed(limit_gain(plant))
+    return solve_continuous_lyapunov(A, -B @ B.T)
+
+
+def pitch_norms(plant: GeneralizedPlant, k1: float, k2: float) -> tuple[float, float]:
+    """H2 and H-infinity norm of pitch with q'' + k2 q' + k1 q = r w, in closed form.
+
+    The covariance is |r|^2 diag(1/(2 k1 k2), 1/(2 k2)). The squared gain, with v = w^2, is
+    |r|^2 (v^2 + 2)/((k1 - v)^2 + k2^2 v).
+
+    Returns
+    -------
+    h2, hinf : float
+    """
+    size = np.linalg.norm(plant.B1[1])
+    K = (np.array([k1, k2]) + plant.A[1]) / plant.B2[1, 0]
+    weights = np.diag(plant.C2.T @ plant.C2) + plant.D22[-1, 0] ** 2 * K**2
+    h2 = size * np.sqrt(weights[0] / (2 * k1 * k2) + weights[1] / (2 * k2))
+    # Stationary where (v^2 + 2)' d = (v^2 + 2) d' with d = v^2 + b v + k1^2: b v^2 + 2 (k1^2 - 2) v - 2 b = 0.
+    b = k2**2 - 2 * k1
+    roots = np.roots([b, 2 * (k1**2 - 2), -2 * b]) if b else np.array([])
+    inner = [v.real for v in np.atleast_1d(roots) if abs(v.imag) < 1e-12 and v.real > 0]
+    squares = [1.0, 2 / k1**2, *((v**2 + 2) / ((k1 - v) ** 2 + k2**2 * v) for v in inner)]
+    return float(h2), float(size * np.sqrt(max(squares)))
+
+
+def pitch_true_optimum(plant: GeneralizedPlant, gamma: float) -> float:
+    """Least H2 norm over both pitch gains with the H-infinity norm at most gamma, without a shared X.
+
+    For given k1 >= sqrt 2 |r|/gamma the level asks for k2^2 >= 2 k1 - (2/gamma^2) sqrt((gamma^2 - |r|^2)
+    (gamma^2 k1^2 - 2 |r|^2)), and the H2 norm is unimodal in k2, so that one search over k1 remains.
+
+    Raises
+    ------
+    InputError
+        If gamma does not exceed gamma_min.
+    """
+    size, least = np.linalg.norm(plant.B1[1]), gamma_min(plant)
+    if not gamma > least:
+        raise InputError("level", field="gamma", value=gamma, expected=f"above gamma_min = {least!r}")
+    lowest = np.sqrt(2) * size / gamma
+
+    def along(logarithm: float) -> float:
+        k1 = lowest * np.exp(logarithm)
+        free = max((gamma**2 - size**2) * (gamma**2 * k1**2 - 2 * size**2), 0.0)
+        floor = np.sqrt(max(2 * k1 - 2 / gamma**2 * np.sqrt(free), 1e-12))
+        found = minimize_scalar(
+            lambda x: pitch_norms(plant, k1, floor * np.exp(x))[0], bounds=(0, 8), method="bounded",
+            options={"xatol": 1e-12},
+        )  # fmt: skip
+        return min(found.fun, pitch_norms(plant, k1, floor)[0])
+
+    grid = np.linspace(0, 8, 161)
+    values = [along(x) for x in grid]
+    i = int(np.argmin(values))
+    bounds = (grid[max(i - 1, 0)], grid[min(i + 1, len(grid) - 1)])
+    found = minimize_scalar(along, bounds=bounds, method="bounded", options={"xatol": 1e-12})
+    return float(min(found.fun, values[i]))

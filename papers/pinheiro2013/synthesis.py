@@ -1,0 +1,326 @@
+"""Synthesis of pinheiro2013: levels, limits, the LMIs (21) for both reconstructions, and what is proved of them."""
+
+import numpy as np
+
+from gainsay.errors import ComputationError
+from gainsay.lmi import Failed, Infeasible, Infimum, Solved, infimum, sweep
+from gainsay.proof import build
+from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
+from gainsay.tables.results import task
+from papers.pinheiro2013 import formulas, mixed
+from papers.pinheiro2013.plant import GROUPS, RECONSTRUCTIONS, GeneralizedPlant, generalized_plant, reconstruction
+
+LEVELS = {"gamma_0.2": "gamma_min", "gamma_2": "gamma_mixed", "gamma_100": "gamma_max"}
+SEPARATE = ("pitch", "roll_yaw")
+PARETO = ("0.15", "0.3", "0.5", "1", "2", "5", "10", "30")
+#: how far two methods may lie apart before neither is believed
+AGREE = 1e-5
+
+
+def plants(case):
+    """Yield reconstruction, group and generalized plant."""
+    for name in RECONSTRUCTIONS:
+        for group in SEPARATE:
+            yield name, group, generalized_plant(reconstruction(case, name), group)
+
+
+def best(plant: GeneralizedPlant, gamma: float) -> Infimum:
+    """Enclose the least trace of Q under (21) corrected.
+
+    Raises
+    ------
+    ComputationError
+        If it was not enclosed.
+    """
+    found = infimum(mixed.mixed_program(plant, gamma))
+    if isinstance(found, Failed):
+        raise found.error
+    if isinstance(found, Infeasible):
+        raise ComputationError("(21)", f"infeasible at gamma = {gamma!r} although above gamma_min", found.attempts)
+    return found
+
+
+def gain_of(found: Infimum, plant: GeneralizedPlant, gamma: float) -> np.ndarray:
+    """Gain (22) of the optimum, held against the least trace that its Riccati equation gives for it alone.
+
+    Raises
+    ------
+    ComputationError
+        If the two values of the trace differ by more than `AGREE`.
+    """
+    K = np.linalg.solve(found.values["X"], found.values["Y"].T).T
+    own = mixed.trace_of_gain(plant, K, gamma)
+    if not abs(own / found.value - 1) < AGREE:
+        raise ComputationError("(21)", f"trace {found.value!r} by the LMI, {own!r} by the Riccati equation of its gain")
+    return K
+
+
+@task("(20), gamma_min")
+def levels(case, results):
+    """Find the infimum of the level as the norm of D11, and reach it with a closed-form gain."""
+    for name, group, plant in plants(case):
+        least, K = mixed.gamma_min(plant), mixed.limit_gain(plant)
+        norm, _ = hinf_norm(*plant.closed(K)[:4])
+        results.quantity(
+            f"{name}.gamma_min.{group}", least, source="(18), (21)",
+            method="norm of D11; no gain goes below it, and the norm with a closed-form gain equals it",
+        )  # fmt: skip
+        results.quantity(
+            f"{name}.limit.hinf.{group}", norm, source="(18)",
+            method="verified Hamiltonian test on the loop with the closed-form gain",
+        )  # fmt: skip
+        if abs(norm / least - 1) > 1e-9:
+            raise ComputationError("gamma_min", f"{name}, {group}: norm of D11 {least!r}, reached {norm!r}")
+        results.say(f"gamma_min {name} {group}", f"{least:.6f}, reached by a closed-form gain")
+
+
+@task("the H2 limit")
+def h2_limit(case, results):
+    """Solve the limit gamma to infinity by its Riccati equation; pitch against its closed form."""
+    for name, group, plant in plants(case):
+        found = mixed.h2_design(plant)
+        if abs(found.h2 / found.sqrt_trace - 1) > 1e-9:
+            raise ComputationError("H2 limit", f"Riccati {found.sqrt_trace!r}, Gramian {found.h2!r}")
+        if group == "pitch":
+            K, norm = mixed.pitch_h2_closed_form(plant, reconstruction(case, name).moment("y"))
+            if max(abs(norm / found.h2 - 1), np.abs(K / found.K - 1).max()) > 1e-8:
+                raise ComputationError("H2 limit", f"closed form {norm!r}, Riccati {found.h2!r}")
+        results.quantity(
+            f"{name}.h2_limit.{group}", found.h2, source="(20) as gamma grows",
+            method="Riccati equation and, from its gain, both Gramians"
+            + (" and the closed form of a double integrator" if group == "pitch" else ""),
+        )  # fmt: skip
+
+
+@task("(21) near gamma_min")
+def limits(case, results):
+    """Solve (21) at 1.001 of the infimum, where the gains forget the weights."""
+    for name, group, plant in plants(case):
+        gamma = mixed.ABOVE * mixed.gamma_min(plant)
+        K = gain_of(best(plant, gamma), plant, gamma)
+        satellite = reconstruction(case, name)
+        if group == "pitch":
+            K, _ = mixed.mixed_by_descent(plant, gamma, K)
+            first, second, moment, prefix = K[0, 0], K[0, 1], satellite.moment("y"), f"{name}.limit"
+        else:
+            first, second, moment, prefix = K[1, 1], K[1, 3], satellite.moment("z"), f"{name}.limit.yaw"
+        method = "least trace of Q, enclosed by the LMI and checked by the Riccati equation of the gain"
+        results.quantity(f"{prefix}.k1_over_inertia", first / moment, method=method, source="(21), (22)")
+        results.quantity(f"{prefix}.k2_over_inertia", second / moment, method=method, source="(21), (22)")
+
+
+@task("(21), (22)")
+def designs(case, results):
+    """Solve (21) with the sign corrected at the three levels and write the designs that are simulated."""
+    for name in RECONSTRUCTIONS:
+        satellite = reconstruction(case, name)
+        for level, parameter in LEVELS.items():
+            gamma, gains = case.number(parameter), {}
+            for group in SEPARATE:
+                plant = generalized_plant(satellite, group)
+                gains[group] = _design(results, name, level, group, plant, gamma)
+            pitch, roll_yaw = gains["pitch"], gains["roll_yaw"]
+            K = np.zeros((3, 6))
+            K[np.ix_([1], [1, 4])] = pitch
+            K[np.ix_([0, 2], [0, 2, 3, 5])] = roll_yaw
+            results.design(
+                f"{name}_{formulas.GAMMAS[level]}", K=K, K_pitch=pitch, K_roll_yaw=roll_yaw,
+                note=f"(21) with the sign corrected at gamma = {gamma:g}, reconstruction {name.upper()}",
+            )  # fmt: skip
+            results.say(f"(21) {name} gamma = {gamma:g}", f"pitch K = [{pitch[0, 0]:.4g}, {pitch[0, 1]:.4g}]")
+
+
+def _design(results, name, level, group, plant, gamma) -> np.ndarray:
+    found = best(plant, gamma)
+    K = gain_of(found, plant, gamma)
+    sqrt_trace, lower, upper = np.sqrt([found.value, found.lower, found.upper])
+    method = "LMI between a strict point and strict multipliers; Riccati equation of the gain agrees"
+    if group == "pitch":
+        polished, other = mixed.mixed_by_descent(plant, gamma, K)
+        apart = np.abs(polished / K - 1).max()
+        if abs(other / sqrt_trace - 1) > AGREE or apart > 1e-4:
+            raise ComputationError("(21)", f"descent over the gains finds {other!r}, {polished.tolist()}")
+        method += ", and descent over the two gains"
+        K, sqrt_trace = polished, other
+        for k in (1, 2):
+            results.quantity(
+                f"{name}.{level}.k{k}.pitch", K[0, k - 1], source="(22)",
+                method=f"descent on the Riccati equation's trace, {apart:.0e} from the gain of the LMI",
+            )  # fmt: skip
+    A, B, C, D, C2 = plant.closed(K)
+    h2, (hinf, _) = mixed.h2_norm(A, B, C2), hinf_norm(A, B, C, D)
+    results.quantity(
+        f"{name}.{level}.sqrt_trace.{group}", sqrt_trace, method=method, source="(21)",
+        lower=min(lower, sqrt_trace), upper=max(upper, sqrt_trace),
+    )  # fmt: skip
+    results.quantity(f"{name}.{level}.h2.{group}", h2, method="both Gramians agree", source="(23)")
+    results.quantity(f"{name}.{level}.hinf.{group}", hinf, method="verified Hamiltonian test", source="(23)")
+    if level == "gamma_100":
+        excess = h2 / mixed.h2_design(plant).h2 - 1
+        results.quantity(
+            f"{name}.{level}.h2_excess.{group}", excess, method="against the Riccati solution", source="Section 5"
+        )
+    results.attempt(f"(21) {name} {level} {group}", list(found.attempts))
+    return K
+
+
+@task("(21) as printed")
+def as_printed(case, results):
+    """Prove that (21) as printed has no solution: its block (3, 3) must be negative and is gamma^2 I."""
+    multiplier = np.zeros((9, 9))
+    multiplier[6:, 6:] = np.eye(3)
+    results.certificate(build.farkas(
+        id="eq21-as-printed-infeasible", paper=case.name, tables=case, claims=_claims(case, "eq21-printed"),
+        statement="No X and Y satisfy the first LMI of (21) with +gamma^2 I in block (3,3), at gamma = 2 for pitch, B.",
+        definitions=formulas.pitch("b"), unknowns=_unknowns(2, 1),
+        fields={"constraints": [["(21)", _first_lmi("number('gamma_mixed')**2", "")]]},
+        multipliers={"(21)": multiplier}, quantities={"feasible": "eq21.printed.feasible"},
+    ))  # fmt: skip
+    results.quantity("eq21.printed.feasible", 0, method="Farkas certificate", source="(21)")
+    results.say("(21) as printed", "infeasible, Farkas certificate checked")
+
+
+def _first_lmi(level: str, sign: str, inputs: int = 4, outputs: int = 3) -> str:
+    return (
+        f"[[sym(A@X - B2@Y), B1, (C1@X - D12@Y).T], [..., -eye({inputs}), D11.T],"
+        f" [..., ..., {sign}({level})*eye({outputs})]] < 0"
+    )
+
+
+def _lmis(group: str, level: str) -> list[list[str]]:
+    sizes = (4, 3) if group == "pitch" else (14, 12)
+    return [["(21)", _first_lmi(level, "-", *sizes)], ["(21), second", "[[Q, C2@X - D22@Y], [..., X]] > 0"]]
+
+
+def _unknowns(states: int, inputs: int, costs: int = 0) -> dict:
+    found = {"X": {"shape": [states, states], "structure": "symmetric"}, "Y": {"shape": [inputs, states]}}
+    return found | ({"Q": {"shape": [costs, costs], "structure": "symmetric"}} if costs else {})
+
+
+@task("(21) corrected, certified")
+def certified(case, results):
+    """Certify points of (21) at gamma = 2, reconstruction B, and a bound on the trace from below."""
+    gamma = case.number("gamma_mixed")
+    for group in SEPARATE:
+        plant = generalized_plant(reconstruction(case, "b"), group)
+        found = best(plant, gamma)
+        states, inputs, costs = plant.A.shape[0], plant.B2.shape[1], plant.C2.shape[0]
+        shared = {
+            "paper": case.name, "tables": case, "definitions": formulas.PLANTS[group]("b"),
+            "unknowns": _unknowns(states, inputs, costs),
+        }  # fmt: skip
+        constraints = _lmis(group, "number('gamma_mixed')**2")
+        results.certificate(build.feasible_point(
+            id=f"eq21-feasible-{group}", claims=_claims(case, f"eq21-corrected-{group}"), **shared,
+            statement=f"(21) with -gamma^2 I in block (3,3) has a solution at gamma = 2, {group}, reconstruction B.",
+            fields={"constraints": constraints, "minimise": "trace(Q)"}, point=found.solved.values,
+            quantities={"feasible": f"b.gamma_2.feasible.{group}", "objective": f"b.gamma_2.trace.{group}"},
+        ))  # fmt: skip
+        results.quantity(f"b.gamma_2.feasible.{group}", 1, method="certified point", source="(21)")
+        results.quantity(
+            f"b.gamma_2.trace.{group}", found.value, lower=found.lower, upper=found.upper, source="(21)",
+            method="LMI between a strict point and strict multipliers",
+        )  # fmt: skip
+        results.say(f"(21) corrected, {group}", "feasible at gamma = 2, point certified")
+
+
+@task("(23)")
+def bounds(case, results):
+    """Certify both bounds of (23) for every design."""
+    for name, group, plant in plants(case):
+        for level, parameter in LEVELS.items():
+            short = formulas.GAMMAS[level]
+            K = results.read_design(f"{name}_{short}")[f"K_{group}"]
+            A, B, C, D, _ = plant.closed(K)
+            gamma = case.number(parameter)
+            results.certificate(build.certificate(
+                "bounded_real", id=f"eq23-hinf-{name}-{short}-{group}", paper=case.name, tables=case,
+                claims=_claims(case, f"eq23-hinf-{name}-{short}-{group}"),
+                statement=f"The H-infinity norm from w to z_inf is below gamma = {gamma:g}, {group}, {name.upper()}.",
+                definitions=formulas.closed(name, group, f"design('{name}_{short}', 'K_{group}')"),
+                fields={"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11", "gamma": f"number('{parameter}')"},
+                witness={"P": bounded_real_certificate_matrix(A, B, C, D, gamma)},
+                quantities={"norm": f"{name}.{level}.hinf.{group}"},
+            ))  # fmt: skip
+    results.say("(23)", "H-infinity bounds certified for twelve loops")
+
+
+def _claims(case, claim: str) -> list[str]:
+    return [claim] if claim in case.claims else []
+
+
+@task("gamma_min, certified")
+def gamma_min_certified(case, results):
+    """Certify that the infimum is the norm of D11: infeasible just below, reached just above."""
+    plant = generalized_plant(reconstruction(case, "b"), "pitch")
+    r = plant.D11[0]
+    # Blocks (2, 2), (2, 3), (3, 3) along (r/|r|, 1/|r|): -1 + 2 - level/|r|^2 > 0 for a level below |r|^2. A trace of
+    # the identity keeps the multiplier inside its cone when it is rounded.
+    z = np.concatenate([np.zeros(2), r / np.linalg.norm(r), [1 / np.linalg.norm(r)], np.zeros(2)])
+    multiplier = np.outer(z, z) + 1e-9 * np.diag([0, 0, 1, 1, 1, 1, 1, 1, 1])
+    results.certificate(build.farkas(
+        id="below-gamma-min-infeasible", paper=case.name, tables=case, claims=_claims(case, "gamma-min-value"),
+        statement="No state feedback for pitch, B, satisfies (21) corrected at 0.999999 of the norm of D11.",
+        definitions={**formulas.pitch("b"), "level": "0.999999**2*(channels@channels.T)"}, unknowns=_unknowns(2, 1),
+        fields={"constraints": [["(21)", _first_lmi("level", "-")]]},
+        multipliers={"(21)": multiplier}, quantities={"feasible": "b.below_gamma_min.feasible"},
+    ))  # fmt: skip
+    results.quantity("b.below_gamma_min.feasible", 0, method="Farkas certificate", source="(21)")
+    for name, group, plant in plants(case):
+        K = mixed.limit_gain(plant)
+        results.design(f"{name}_limit_{group}", K=K, note="closed-form gain that reaches the infimum of the level")
+        least = "sqrt(channels@channels.T)" if group == "pitch" else _largest_row()
+        definitions = {**formulas.PLANTS[group](name), "least": least}
+        results.certificate(build.certificate(
+            "enclosed", id=f"gamma-min-{name}-{group}", paper=case.name, tables=case, definitions=definitions,
+            statement=f"The norm of D11, hence the infimum of the level, {group}, reconstruction {name.upper()}.",
+            fields={"formula": "least"}, quantities={"value": f"{name}.gamma_min.{group}"},
+            claims=_claims(case, "gamma-min-value"),
+            faith=("That no state feedback goes below the norm of D11, the response at infinite frequency.",),
+        ))  # fmt: skip
+        gamma = mixed.gamma_min(plant) * (1 + 1e-6)
+        A, B, C, D, _ = plant.closed(K)
+        results.certificate(build.certificate(
+            "bounded_real", id=f"gamma-min-reached-{name}-{group}", paper=case.name, tables=case,
+            statement=f"A closed-form gain comes within a millionth of the norm of D11, {group}, {name.upper()}.",
+            definitions=formulas.closed(name, group, f"design('{name}_limit_{group}', 'K')"),
+            fields={"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11", "gamma": f"{gamma:.12g}"},
+            witness={"P": bounded_real_certificate_matrix(A, B, C, D, gamma)},
+            quantities={"norm": f"{name}.limit.hinf.{group}"},
+        ))  # fmt: skip
+    results.say("gamma_min", "certified from both sides")
+
+
+def _largest_row() -> str:
+    # The rows of D11 have no column in common, so its norm is that of the longer row; Iz is the least moment in both
+    # reconstructions, which makes yaw the longer one.
+    return "sqrt(rows[1, 0:14]@rows[1, 0:14].T)"
+
+
+@task("gamma sweep")
+def pareto(case, results):
+    """Follow the least H2 norm over gamma: one shared X as in (21), and the true optimum over the two gains."""
+    plant = generalized_plant(reconstruction(case, "b"), "pitch")
+    values = [float(level) for level in PARETO]
+    found = dict(sweep(lambda gamma: mixed.mixed_program(plant, gamma), values))
+    for level, gamma in zip(PARETO, values, strict=True):
+        outcome = found[gamma]
+        if not isinstance(outcome, Solved):
+            raise ComputationError("gamma sweep", f"no solution at gamma = {gamma!r}", outcome.attempts)
+        shared = mixed.evaluated(plant, gamma, outcome)
+        true = mixed.pitch_true_optimum(plant, gamma)
+        results.quantity(
+            f"b.pareto.gamma_{level}.shared", shared.h2, source="(20), (21)",
+            method="H2 norm of the gain of least trace of Q, one program for all levels",
+        )  # fmt: skip
+        results.quantity(
+            f"b.pareto.gamma_{level}.true", true, source="(20)",
+            method="closed forms of both norms in the two gains, minimised along the active level",
+        )  # fmt: skip
+        if true > shared.h2 * (1 + 1e-9):
+            raise ComputationError("gamma sweep", f"optimum {true!r} above the shared-X design {shared.h2!r}")
+    results.say("gamma sweep", f"{len(values)} levels from {values[0]:g} to {values[-1]:g}")
+
+
+TASKS = (levels, h2_limit, limits, designs, as_printed, certified, bounds, gamma_min_certified, pareto)
+assert set(SEPARATE) < set(GROUPS)
