@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from gainsay.errors import InputError
 from gainsay.lmi import (
     BlockMatrix,
@@ -18,8 +21,6 @@ from gainsay.lmi import (
     trace,
     within,
 )
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 
 def _values(seed, *variables):

@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from gainsay.lmi import (
     BlockMatrix,
     Failed,
@@ -18,6 +19,7 @@ from gainsay.lmi import (
     infimum,
     matrix,
     positive,
+    ranges,
     scalar,
     solve,
     solving,
@@ -174,6 +176,29 @@ def test_threshold_brackets_the_spectral_abscissa():
 def test_sweep_goes_on_past_infeasible_values():
     kinds = [type(outcome) for _, outcome in sweep(_decay, [0.05, 0.5, 0.08])]
     assert kinds == [Solved, Infeasible, Solved]
+
+
+def test_ranges_of_linear_expressions():
+    # trace of a 2 x 2 matrix above the identity with entries up to 3: from 2 to 6
+    x = symmetric("X", 2)
+    box = within(x, np.full((2, 2), -3.0), np.full((2, 2), 3.0), "box")
+    program = Program(subject_to=[(x > np.eye(2)).named("X > I"), box])
+    (found,) = ranges(program, [trace(x)], near={"X": 2 * np.eye(2)})
+    assert (found.low, found.high) == (pytest.approx(2, rel=1e-5), pytest.approx(6, rel=1e-5))
+    assert program.check(found.at_low).holds and program.check(found.at_high).holds
+
+
+def test_multipliers_prove_the_lower_bound_on_their_own():
+    program = _bounded_real(A, B, C)
+    found = infimum(program)
+    z, zp, zg = (found.multipliers[k] for k in ("BRL", "P > 0", "g > 0"))
+    # written out: the weighted sum of -F, P and g is -tr(z11 C'C) + <P, ...> + g (...) and must leave g alone
+    inner, cross = z[:2, :2], z[:2, 2:]
+    coefficient_of_p = -(A @ inner + inner @ A.T) - (B @ cross.T + cross @ B.T) + zp
+    np.testing.assert_allclose(coefficient_of_p, 0, atol=1e-10 * np.abs(z).max())
+    assert z[2, 2] + zg[0, 0] == pytest.approx(1, abs=1e-10)
+    assert min(np.linalg.eigvalsh(z)[0], np.linalg.eigvalsh(zp)[0], zg[0, 0]) >= 0
+    assert found.lower == pytest.approx(float((C @ inner @ C.T)[0, 0]), rel=1e-10)
 
 
 def test_stating_programs_imports_no_solver():

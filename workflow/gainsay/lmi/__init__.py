@@ -5,7 +5,7 @@ from gainsay.lmi.blocks import BlockMatrix, Definite, Entrywise, Equal, block_di
 from gainsay.lmi.duality import Farkas
 from gainsay.lmi.program import Check, Program, Scale
 from gainsay.lmi.solving import Failed, Infeasible, Infimum, Solved, infimum, solve
-from gainsay.lmi.sweep import Threshold, sweep, threshold
+from gainsay.lmi.sweep import Range, Threshold, ranges, sweep, threshold
 
 __all__ = [
     "Affine",
@@ -19,6 +19,7 @@ __all__ = [
     "Infeasible",
     "Infimum",
     "Program",
+    "Range",
     "Scale",
     "Solved",
     "Threshold",
@@ -30,6 +31,7 @@ __all__ = [
     "infimum",
     "matrix",
     "positive",
+    "ranges",
     "scalar",
     "solve",
     "sweep",

@@ -71,7 +71,9 @@ def _least(constraints: Sequence, multipliers: Sequence) -> float:
     return float(min(least))
 
 
-def lower_bound(program: Program, scale: scaling.Scaling, multipliers: Sequence[np.ndarray]) -> float:
+def lower_bound(
+    program: Program, scale: scaling.Scaling, multipliers: Sequence[np.ndarray]
+) -> tuple[float, dict[str, np.ndarray]]:
     """Lower bound on the infimum from corrected multipliers, checked positive; -inf where they are not.
 
     Parameters
@@ -81,6 +83,12 @@ def lower_bound(program: Program, scale: scaling.Scaling, multipliers: Sequence[
         Scaling to which the multipliers belong.
     multipliers : sequence of ndarray
         Interior enough that the correction to ``cost = sum <coefficients, Z_j>`` leaves them positive.
+
+    Returns
+    -------
+    bound : float
+    multipliers : dict
+        Label of each constraint to its corrected multiplier, in unscaled coordinates.
     """
     scaled = scaling.apply(program, scale)
     constraints = program.constraints
@@ -96,8 +104,16 @@ def lower_bound(program: Program, scale: scaling.Scaling, multipliers: Sequence[
     rest = np.abs(scaled.cost - _pairing(constraints, scaled.tensors, z))
     sizes = _sizes(program, scaled) * max(float(np.abs(m).max(initial=0.0)) for m in z)
     if (rest > 1e-12 * (sizes + np.abs(scaled.cost))).any() or _least(constraints, z) < 0:
-        return -np.inf
-    return float(program.objective.constant[0, 0] - scale.cost * _constant(z, scaled.constants))
+        return -np.inf, {}
+    bound = float(program.objective.constant[0, 0] - scale.cost * _constant(z, scaled.constants))
+    return bound, {name: scale.cost * value for name, value in _unscaled(program, scale, z).items()}
+
+
+def _unscaled(program: Program, scale: scaling.Scaling, multipliers: Sequence) -> dict[str, np.ndarray]:
+    unscaled = {}
+    for constraint, d, multiplier in zip(program.constraints, scale.rows, multipliers, strict=True):
+        unscaled[constraint.label] = multiplier * (np.outer(d, d) if isinstance(constraint, Definite) else d**2)
+    return unscaled
 
 
 def pushed_inside(program: Program, scale: scaling.Scaling, push: float, setting: str = "clarabel") -> tuple:
@@ -169,10 +185,7 @@ def farkas(program: Program, scale: scaling.Scaling, setting: str = "clarabel") 
     candidate = None
     if best is not None:
         z, candidate = best
-        unscaled = {}
-        for constraint, d, multiplier in zip(program.constraints, scale.rows, z, strict=True):
-            unscaled[constraint.label] = multiplier * (np.outer(d, d) if isinstance(constraint, Definite) else d**2)
-        candidate = Farkas(unscaled, candidate.value, candidate.residual, candidate.least)
+        candidate = Farkas(_unscaled(program, scale, z), candidate.value, candidate.residual, candidate.least)
     return float(raw.x[size]), candidate, (raw.x[:size], raw.record)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from gainsay.errors import ComputationError
 from gainsay.lmi import backends, duality, scaling
+from gainsay.lmi.affine import Values
 from gainsay.lmi.program import Check, Program
 
 # least margin of phase one that counts as the presence of strict points
@@ -81,6 +82,8 @@ class Infimum:
         Point of the solver without margin (on the boundary: limits of what strict points approach).
     solved : Solved
         The strict point behind `upper`.
+    multipliers : dict
+        The multipliers behind `lower`, by label of the constraint; empty where none passed their check.
     attempts : tuple of dict
     """
 
@@ -89,6 +92,7 @@ class Infimum:
     upper: float
     values: dict[str, Any]
     solved: Solved
+    multipliers: dict[str, np.ndarray]
     attempts: tuple[dict, ...]
 
     @property
@@ -97,7 +101,7 @@ class Infimum:
         return (self.upper - self.lower) / max(abs(self.value), 1e-300)
 
 
-def solve(program: Program, start: scaling.Scaling | None = None, rounds: int = 4) -> Solved | Infeasible | Failed:
+def solve(program: Program, near: Values | None = None, rounds: int = 4) -> Solved | Infeasible | Failed:
     """Solve a program.
 
     The first scaling comes from typical sizes and coefficients; each round rescales from the point found, until the
@@ -106,8 +110,8 @@ def solve(program: Program, start: scaling.Scaling | None = None, rounds: int = 
     Parameters
     ----------
     program : Program
-    start : Scaling, optional
-        First scaling, such as that of a neighbouring program in a sweep.
+    near : mapping, optional
+        Values of all unknowns of about the sizes expected, such as the solution of a neighbouring program.
     rounds : int, optional
         Rescalings a setting.
 
@@ -116,7 +120,7 @@ def solve(program: Program, start: scaling.Scaling | None = None, rounds: int = 
     Solved or Infeasible or Failed
     """
     attempts: list[dict] = []
-    first = start or scaling.first(program)
+    first = scaling.first(program) if near is None else scaling.from_point(program, program.coordinates(near))
     for setting in backends.SETTINGS:
         best = _rounds(program, first, setting, rounds, attempts)
         if best is not None:
@@ -163,7 +167,9 @@ def _limit(margins: tuple[float, ...], bounds: list[float]) -> float:
     return b2 - m2 * (b1 - b2) / (m1 - m2) if np.isfinite([b1, b2]).all() else np.nan
 
 
-def infimum(program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9)) -> Infimum | Infeasible | Failed:
+def infimum(
+    program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9), near: Values | None = None
+) -> Infimum | Infeasible | Failed:
     """Enclose the infimum of a program between a strict point and strict multipliers.
 
     Parameters
@@ -171,8 +177,10 @@ def infimum(program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9)) -
     program : Program
     margins : tuple of float, optional
         Margins tried, from wide to narrow, for the points and for the multipliers; what fails its check is not used.
+    near : mapping, optional
+        As in `solve`.
     """
-    solved = solve(program)
+    solved = solve(program, near)
     if not isinstance(solved, Solved):
         return solved
     attempts = list(solved.attempts)
@@ -182,11 +190,12 @@ def infimum(program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9)) -
     if flat.x is None:
         return Failed(program.label, tuple(attempts))
     uppers, best = _uppers(program, scale, margins, solved, attempts)
-    lowers = [-np.inf] * len(margins)
+    lowers, proof = [-np.inf] * len(margins), {}
     sharp, balanced = _sharpened(program, scale, flat, attempts)
     for dual_scale in (scale, balanced):
-        found = _lowers(program, dual_scale, margins, attempts)
-        lowers = found if max(found) > max(lowers) else lowers
+        found, multipliers = _lowers(program, dual_scale, margins, attempts)
+        if max(found) > max(lowers):
+            lowers, proof = found, multipliers
         if best.objective - max(lowers) < 1e-7 * abs(best.objective):
             break
     lower = max(lowers)
@@ -195,7 +204,7 @@ def infimum(program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9)) -
     if not lower <= value <= best.objective:
         value = (lower + best.objective) / 2 if np.isfinite(lower) else best.objective
     best = Solved(best.values, best.objective, best.check, best.gap, tuple(attempts))
-    return Infimum(value, lower, best.objective, program.values(sharp), best, tuple(attempts))
+    return Infimum(value, lower, best.objective, program.values(sharp), best, proof, tuple(attempts))
 
 
 def _sharpened(program: Program, scale: scaling.Scaling, flat: backends.Raw, attempts: list) -> tuple:
@@ -230,10 +239,15 @@ def _uppers(program: Program, scale: scaling.Scaling, margins: tuple, best: Solv
     return uppers, best
 
 
-def _lowers(program: Program, scale: scaling.Scaling, margins: tuple, attempts: list) -> list[float]:
-    lowers = []
+def _lowers(program: Program, scale: scaling.Scaling, margins: tuple, attempts: list) -> tuple[list[float], dict]:
+    lowers, proof = [], {}
     for margin in margins:
         multipliers, raw = duality.pushed_inside(program, scale, margin)
-        lowers.append(-np.inf if multipliers is None else duality.lower_bound(program, scale, multipliers))
-        attempts.append({**raw.record, "aim": "lower", "asked": margin, "objective": lowers[-1]})
-    return lowers
+        bound, corrected = -np.inf, {}
+        if multipliers is not None:
+            bound, corrected = duality.lower_bound(program, scale, multipliers)
+        if bound > max(lowers, default=-np.inf):
+            proof = corrected
+        lowers.append(bound)
+        attempts.append({**raw.record, "aim": "lower", "asked": margin, "objective": bound})
+    return lowers, proof

@@ -1,10 +1,14 @@
-"""One program at many values of a parameter, each solve starting from the scaling of its neighbour."""
+"""One program at many values of a parameter, each solve starting from the sizes of its neighbour."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from gainsay.errors import InputError
-from gainsay.lmi import scaling
+from gainsay.lmi import backends, scaling
+from gainsay.lmi.affine import affine
 from gainsay.lmi.program import Program
 from gainsay.lmi.solving import Failed, Infeasible, Solved, solve
 
@@ -25,14 +29,14 @@ def sweep(build: Callable[[float], Program], values: Iterable[float]) -> Iterato
     ------
     tuple of (float, Solved or Infeasible or Failed)
     """
-    start = None
+    near = None
     for value in values:
         program = build(value)
-        outcome = solve(program, start)
-        if isinstance(outcome, Failed) and start is not None:
+        outcome = solve(program, near)
+        if isinstance(outcome, Failed) and near is not None:
             outcome = solve(program)
         if isinstance(outcome, Solved):
-            start = scaling.from_point(program, program.coordinates(outcome.values))
+            near = outcome.values
         yield value, outcome
 
 
@@ -75,7 +79,7 @@ def threshold(
     InputError
         The program at `feasible` has no checked point.
     """
-    start, undecided = None, []
+    undecided = []
     program = build(feasible)
     solved = solve(program)
     if not isinstance(solved, Solved):
@@ -84,8 +88,7 @@ def threshold(
     while abs(inside - floor) > relative * abs(inside):
         middle = (inside + floor) / 2
         program = build(middle)
-        start = scaling.from_point(program, program.coordinates(solved.values))
-        outcome = solve(program, start)
+        outcome = solve(program, solved.values)
         if isinstance(outcome, Solved):
             inside, solved = middle, outcome
         else:
@@ -95,3 +98,51 @@ def threshold(
             else:
                 undecided.append(middle)
     return Threshold(outside, inside, solved, tuple(v for v in undecided if (v - outside) * (inside - v) > 0))
+
+
+@dataclass(frozen=True)
+class Range:
+    """Range of a linear expression over a program's feasible set, attained at checked points.
+
+    Attributes
+    ----------
+    low, high : float
+        Values attained; nan where no point passed its check.
+    at_low, at_high : dict
+        The points.
+    """
+
+    low: float
+    high: float
+    at_low: dict[str, Any]
+    at_high: dict[str, Any]
+
+
+def ranges(program: Program, expressions: Iterable[Any], near: dict[str, Any]) -> list[Range]:
+    """Minimise and maximise linear expressions over one feasible set, which is assembled and scaled once.
+
+    Parameters
+    ----------
+    program : Program
+        Its objective is left aside.
+    expressions : iterable of Affine, shape (1, 1)
+    near : mapping
+        Point inside or nearly so, for the sizes.
+    """
+    scale = scaling.from_point(program, program.coordinates(near))
+    scaled, found = scaling.apply(program, scale), []
+    for expression in expressions:
+        read = affine(expression)
+        cost = np.zeros(program.size)
+        for variable, coefficient in read.terms.items():
+            cost[program.places[variable]] = coefficient[0, 0]
+        size = np.abs(cost * scale.unknowns).max(initial=0.0) or 1.0
+        ends = []
+        for sign in (1, -1):
+            aimed = scaling.Scaled(sign * cost * scale.unknowns / size, scaled.constants, scaled.tensors)
+            raw = backends.run(aimed, program.constraints, program.margin)
+            values = {} if raw.x is None else program.values(raw.x * scale.unknowns)
+            holds = bool(values) and program.check(values).holds
+            ends.append((float(read.value(values)[0, 0]), values) if holds else (float("nan"), {}))
+        found.append(Range(ends[0][0], ends[1][0], ends[0][1], ends[1][1]))
+    return found
