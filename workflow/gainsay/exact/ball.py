@@ -38,7 +38,7 @@ def ball(value: object, radius: object = 0) -> arb:
     """Enclosure of the interval from value - radius to value + radius."""
     middle = arb(to_fmpq(value))
     spread = exact(radius)
-    return middle if spread == 0 else arb(mid=middle, rad=0) + arb(mid=0, rad=arb(to_fmpq(spread)).upper())
+    return middle if spread == 0 else middle + arb(mid=0, rad=arb(to_fmpq(spread)).upper())
 
 
 def hull(low: object, high: object) -> arb:

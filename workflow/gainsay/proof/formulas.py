@@ -147,7 +147,9 @@ class _Evaluator:
     def run(self, node: ast.expr) -> Matrix:
         try:
             value = self.visit(node)
-        except (RingError, ArithmeticError, RecursionError) as error:
+        except (ValueError, ArithmeticError, RecursionError) as error:
+            if isinstance(error, CertificateError):
+                raise
             raise self.fail(error) from error
         if not isinstance(value, Matrix):
             raise self.fail("a text or a list where a number or a matrix is expected")

@@ -6,7 +6,7 @@ is ``["repeated", q]``: a real number lambda, |lambda| <= 1, times the identity 
 multiplier d >= 0. With M the quadratic form of these multipliers, [z; w]' M [z; w] >= 0 whenever w = Delta z.
 
 Reference: M. K. H. Fan, A. L. Tits, J. C. Doyle, "Robustness in the presence of mixed parametric uncertainty and
-unmodeled dynamics", IEEE Transactions on Automatic Control 36 (1991) 25-38; Boyd et al. 1994, sections 5.1 and 8.1.
+unmodeled dynamics", IEEE Transactions on Automatic Control 36 (1991) 25-38; Boyd et al. 1994, section 5.1.
 """
 
 from dataclasses import dataclass

@@ -9,9 +9,8 @@ Theorem: a fixed-point argument encloses each eigenvalue in a ball of its own (a
   [re, im]), for the matching that makes it smallest.
 
 Fields: ``matrix``, ``measure``, and those above. No witness; the checker finds the enclosures itself.
-Reference: S.
-Miyajima, "Fast enclosure for all eigenvalues in generalized eigenvalue problems", Journal of Computational and
-Applied Mathematics 233 (2010) 2994-3004; F. Johansson, Arb (2017).
+Reference: S. M. Rump, "Verification methods: rigorous results using floating-point arithmetic", Acta Numerica 19
+(2010) 287-449; as done by acb_mat_eig_simple of FLINT.
 """
 
 from fractions import Fraction

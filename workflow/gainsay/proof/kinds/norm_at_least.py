@@ -5,8 +5,7 @@ at least |G(i w) u| / |u| for every w and u. If A is not Hurwitz the norm counts
 
 Fields: ``A``, ``B``, ``C``, ``D`` (may be left out), ``frequency`` (w, rad/s), ``gamma``. Witness: ``u``, columns of
 real and imaginary parts.
-Reference: K. Zhou, J. C. Doyle, K. Glover, Robust and Optimal Control, Prentice Hall 1996,
-section 4.3.
+Reference: K. Zhou, J. C. Doyle, K. Glover, Robust and Optimal Control, Prentice Hall 1996, section 4.3.
 """
 
 from flint import acb, acb_mat, arb

@@ -6,7 +6,7 @@ q = |I - R (s I - A)|, every eigenvalue is at least (1 - q) / t away from s.
 
 Fields: ``matrix``, ``real`` and ``imaginary`` (of s). No witness.
 Reference: S. M. Rump, "Verification methods: rigorous results using floating-point arithmetic", Acta Numerica 19
-(2010) 287-449, section 10.
+(2010) 287-449.
 """
 
 from flint import acb, acb_mat, arb

@@ -4,7 +4,7 @@ Theorem (S-procedure): let x' = A x + H w, z = Cz x + Dw w, w = Delta(t) z with 
 `gainsay.proof.lft`. If P > 0 and, with V = x' P x, the form dV/dt + x' Q x + [z; w]' M [z; w] in (x, w) is <= 0, then
 along every solution dV/dt + x' Q x <= 0. Hence
 
-- ``cost``: the integral of x' Q x over t >= 0 is at most x(0)' P x(0);
+- ``cost``: the integral of x' Q x over t >= 0, Q >= 0, is at most x(0)' P x(0);
 - ``inputs`` (list of {"of", "row", "bound"}): |k x(t)| <= bound for all t >= 0, if Q >= 0 and
   bound^2 P - (x(0)' P x(0)) k' k >= 0 (k a matrix of any number of rows, |.| Euclidean);
 - stable: with < 0 in place of <= 0 and Q >= 0 the origin is exponentially stable.
@@ -13,7 +13,7 @@ With Dw the form must be < 0: then I - Dw Delta is regular. Without channels (no
 
 Fields: ``A``, ``Q`` (zero if left out), ``x0``, ``cost`` (the bound), ``inputs``, ``H``, ``Cz``, ``Dw``, ``blocks``.
 Witness: ``P``, ``D1``, ..., ``G1``, ...
-Reference: Boyd et al., Linear Matrix Inequalities in System and Control Theory, SIAM 1994, sections 5.1, 5.2 and 6.1.
+Reference: Boyd et al., Linear Matrix Inequalities in System and Control Theory, SIAM 1994, sections 5.1, 5.2 and 6.2.
 """
 
 from gainsay.exact.matrix import Matrix, block, eye, zeros
@@ -63,6 +63,8 @@ def prove(scope: Scope) -> list[Proved]:
     x0 = scope.evaluate(scope.field("x0"))
     _, start = bounds(scope, x0.T @ p @ x0, "x(0)' P x(0)")
     if "cost" in fields:
+        if not dissipates:
+            raise scope.fail("a cost bound needs Q >= 0")
         cost = scope.number(scope.field("cost"))
         if start > cost:
             raise scope.fail(f"x(0)' P x(0) <= {to_text(cost)} is not proved")

@@ -1,13 +1,14 @@
 """Every eigenvalue of an uncertain matrix lies in a disk, for every constant admissible uncertainty.
 
 Theorem: let A(Delta) = A + H Delta (I - Dw Delta)^-1 Cz with Delta constant and structured as in `gainsay.proof.lft`.
-If P > 0 and [A + a I, H]' P [A + a I, H] - b^2 diag(P, 0) + [z; w]' M [z; w] < 0 as a form in (x, w), z = Cz x + Dw
-w, then every eigenvalue s of every A(Delta) satisfies |s + a| < b: on w = Delta z it is Stein's inequality.
+If P > 0 and [A + a I, H]' P [A + a I, H] - b^2 diag(P, 0) + [z; w]' M [z; w] < 0 as a form in (x, w),
+z = Cz x + Dw w, then every eigenvalue s of every A(Delta) satisfies |s + a| < b: on w = Delta z it is Stein's
+inequality.
 
-Fields: ``A``, ``H``, ``Cz``, ``Dw``, ``blocks``, ``shift`` (a), ``radius`` (b). Witness: ``P``, ``D1``, ..., ``G1``,
-...
-Reference: M. Chilali, P. Gahinet, P. Apkarian, "Robust pole placement in LMI regions", IEEE Transactions on
-Automatic Control 44 (1999) 2257-2270.
+Fields: ``A``, ``H``, ``Cz``, ``Dw``, ``blocks``, ``shift`` (a), ``radius`` (b). Witness: ``P``, ``D1``, ...,
+``G1``, ...
+Reference: M. Chilali, P. Gahinet, P. Apkarian, "Robust pole placement in LMI regions", IEEE Transactions on Automatic
+Control 44 (1999) 2257-2270.
 """
 
 from gainsay.exact.matrix import Matrix, block, eye, zeros

@@ -1,14 +1,13 @@
 """An upper bound on the norm of an uncertain system, for every admissible uncertainty, also time-varying.
 
 Theorem: let x' = A x + H w + B d, z = Cz x + Dw w + Dd d, y = C x + Ew w + D d, w = Delta(t) z with Delta structured
-as in `gainsay.proof.lft`. If P > 0 and the form dV/dt + y' y - gamma^2 d' d + [z; w]' M [z; w] in (x, w, d) is < 0, V
-= x' P x, then the system is exponentially stable and its norm from d to y (L2 to L2; for constant Delta the
+as in `gainsay.proof.lft`. If P > 0 and the form dV/dt + y' y - gamma^2 d' d + [z; w]' M [z; w] in (x, w, d) is < 0,
+V = x' P x, then the system is exponentially stable and its norm from d to y (L2 to L2; for constant Delta the
 H-infinity norm) is less than gamma.
 
 Fields: ``A``, ``B``, ``C``, ``D``, ``H``, ``Cz``, ``Dw``, ``Dd``, ``Ew``, ``blocks``, ``gamma``; ``D``, ``Dw``,
 ``Dd``, ``Ew`` may be left out. Witness: ``P``, ``D1``, ..., ``G1``, ...
-Reference: Boyd et al., Linear Matrix
-Inequalities in System and Control Theory, SIAM 1994, section 6.3.
+Reference: Boyd et al., Linear Matrix Inequalities in System and Control Theory, SIAM 1994, section 6.3.
 """
 
 from gainsay.exact.matrix import Matrix, block, eye, zeros

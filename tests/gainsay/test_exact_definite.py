@@ -1,0 +1,136 @@
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from flint import arb, arb_mat, fmpq, fmpq_mat
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from gainsay.exact.ball import ball, decimal_above, decimal_below, eigenvalues, hull, lower, precision, upper
+from gainsay.exact.definite import (
+    ball_positive_definite,
+    inertia,
+    positive_definite,
+    positive_semidefinite,
+    rational_positive_definite,
+)
+from gainsay.exact.rational import exact
+
+small = st.integers(-6, 6)
+
+
+def symmetric(draw_rows):
+    n = len(draw_rows)
+    return fmpq_mat([[draw_rows[max(i, j)][min(i, j)] for j in range(n)] for i in range(n)])
+
+
+square = st.integers(1, 5).flatmap(lambda n: st.lists(st.lists(small, min_size=n, max_size=n), min_size=n, max_size=n))
+
+
+def floats(matrix):
+    return np.array([[int(x.p) / int(x.q) for x in row] for row in matrix.tolist()])
+
+
+@given(square)
+def test_exact_definiteness_agrees_with_eigenvalues(rows):
+    f = symmetric(rows)
+    least = np.linalg.eigvalsh(floats(f))[0]  # numpy as an independent oracle, away from its rounding
+    assume(abs(least) > 1e-9)
+    assert rational_positive_definite(f) == (least > 0)
+    assert positive_definite(f) == (least > 0)
+
+
+@given(square)
+def test_gram_matrices_are_semidefinite_and_definite_when_regular(rows):
+    a = fmpq_mat(rows)
+    gram = a.transpose() * a  # z' A'A z = |A z|^2 >= 0, zero only for A z = 0
+    assert rational_positive_definite(gram, semidefinite=True)
+    assert rational_positive_definite(gram) == (a.det() != 0)
+    assert positive_semidefinite(gram)
+    if gram != 0 * gram:
+        assert not rational_positive_definite(-gram, semidefinite=True)
+
+
+@given(square)
+def test_inertia_agrees_with_descartes_rule(rows):
+    f = symmetric(rows)
+    # a real-rooted polynomial has exactly as many positive roots as sign changes (Descartes)
+    coefficients = [c for c in f.charpoly().coeffs() if c != 0]
+    plus = sum(a * b < 0 for a, b in pairwise(coefficients))
+    found = inertia(f)
+    assert (found[0], found[2]) == (plus, f.nrows() - f.rank())
+    assert sum(found) == f.nrows()
+
+
+def test_zero_pivot_with_a_row_is_not_semidefinite():
+    assert not rational_positive_definite(fmpq_mat([[0, 1], [1, 5]]), semidefinite=True)
+    assert rational_positive_definite(fmpq_mat([[0, 0], [0, 5]]), semidefinite=True)
+
+
+def test_not_symmetric_is_not_definite():
+    assert not positive_definite(fmpq_mat([[2, 1], [0, 2]]))
+    assert not rational_positive_definite(fmpq_mat([[2, 1], [0, 2]]))
+
+
+@given(square, st.integers(1, 40))
+@settings(max_examples=60)
+def test_balls_never_prove_what_some_matrix_in_them_refutes(rows, tenths):
+    f = symmetric(rows)
+    radius = fmpq(tenths, 10)
+    wide = arb_mat([[ball(x, radius) for x in row] for row in f.tolist()])
+    corner = f - fmpq_mat([[radius * (i == j) for j in range(f.nrows())] for i in range(f.nrows())])
+    if ball_positive_definite(wide):
+        assert rational_positive_definite(corner)
+
+
+def test_wide_balls_that_gershgorin_settles():
+    # 3 I + [-1/4, 1/4] off the diagonal, n = 4: row sums 3 - 3/4 > 0
+    wide = arb_mat([[arb(3) if i == j else ball(0, fmpq(1, 4)) for j in range(4)] for i in range(4)])
+    assert ball_positive_definite(wide)
+
+
+def test_nearly_singular_rationals_are_decided_exactly():
+    tiny = fmpq(1, 10**60)  # far below the 128 bits of the balls
+    assert positive_definite(fmpq_mat([[1, 1], [1, 1 + tiny]]))
+    assert not positive_definite(fmpq_mat([[1, 1], [1, 1 - tiny]]))
+    assert not positive_definite(fmpq_mat([[1, 1], [1, 1]]))
+
+
+def test_nan_balls_prove_nothing():
+    assert not ball_positive_definite(arb_mat([[arb("nan")]]))
+    with pytest.raises(ArithmeticError):
+        lower(arb("nan"))
+
+
+@given(st.fractions(max_denominator=10**6), st.integers(1, 20))
+def test_decimals_on_the_safe_side(value, digits):
+    assert decimal_below(value, digits) <= value <= decimal_above(value, digits)
+
+
+@given(st.fractions(max_denominator=10**6), st.fractions(min_value=0, max_denominator=10**6))
+def test_a_hull_holds_its_ends(low, width):
+    found = hull(low, low + width)
+    assert lower(found) <= low
+    assert upper(found) >= low + width
+    middle, radius = exact(found.mid().fmpq()), exact(found.rad().fmpq())
+    assert middle - radius <= low <= low + width <= middle + radius
+
+
+def test_precision_is_local():
+    with precision(300):
+        inside = upper(arb(2).sqrt()) - lower(arb(2).sqrt())
+    outside = upper(arb(2).sqrt()) - lower(arb(2).sqrt())
+    assert 0 < inside < exact("1e-80") < outside
+
+
+def test_eigenvalues_of_a_companion_matrix():
+    with precision():
+        roots = sorted(eigenvalues(arb_mat([[0, 1], [-2, -3]])), key=lambda s: float(s.real.mid()))
+    # (s + 1)(s + 2)
+    assert roots[0].contains(-2)
+    assert roots[1].contains(-1)
+
+
+def test_repeated_eigenvalues_are_refused():
+    with pytest.raises(ArithmeticError, match="separated"):
+        eigenvalues(arb_mat([[1, 1], [0, 1]]))

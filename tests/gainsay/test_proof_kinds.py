@@ -1,0 +1,360 @@
+"""Every kind of proof on examples with closed forms, and the same examples made false."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from scipy import linalg
+
+from gainsay.errors import CertificateError
+from gainsay.proof import MappingTables, build, check
+
+A = np.array([[0.0, 1.0], [-2.0, -3.0]])  # (s + 1)(s + 2)
+I = np.eye(2)  # noqa: E741
+TABLES = MappingTables(
+    numbers={"n": "1.13e-3"},
+    printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]], "v": [["0.50", "0.25"]]},
+)
+SIMPLE = "[[0, 1], [-2, -3]]"
+
+
+def make(kind, fields, witness=None, **more):
+    parts = {"id": "c", "paper": "p", "statement": "A statement.", "tables": TABLES, "fields": fields, **more}
+    return build.certificate(kind, witness=witness, **parts)
+
+
+def proved(certificate):
+    return {(p.of, p.relation, p.value) for p in check(certificate, TABLES).proved}
+
+
+def refused(kind, fields, witness=None, **more):
+    with pytest.raises(CertificateError) as caught:
+        make(kind, fields, witness, **more)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_identity_with_and_without_relations():
+    unknowns = {"c": {}, "s": {}, "X": {"shape": [2, 2], "structure": "symmetric"}}
+    rotation = [("R", "[[c, -s], [s, c]]")]
+    make("identity", {"left": "(X@X).T", "right": "X@X"}, unknowns=unknowns)
+    fields = {"left": "R.T@R", "right": "eye(2)", "modulo": ["c**2 + s**2 - 1"]}
+    assert proved(make("identity", fields, unknowns=unknowns, definitions=rotation)) == {("identity", "holds", None)}
+    del fields["modulo"]
+    assert "row 1, column 1" in refused("identity", fields, unknowns=unknowns, definitions=rotation)
+    assert "row 1, column 2" in refused("identity", {"left": "X", "right": "diag(X[0,0], X[1,1])"}, unknowns=unknowns)
+    refused("identity", {"left": "sqrt(2)", "right": "sqrt(2)"})
+
+
+def test_different_needs_a_point():
+    unknowns = {"e": {}}
+    fields = {"left": "e**2", "right": "2*e"}
+    assert proved(make("different", fields, {"e": "1"}, unknowns=unknowns)) == {("identity", "fails", None)}
+    refused("different", fields, {"e": "2"}, unknowns=unknowns)  # 4 = 4
+    make("different", {"left": "sqrt(2)", "right": "1.4142"})
+    refused("different", {"left": "sqrt(2)**2", "right": "2"})
+
+
+def test_definite_and_not_definite():
+    make("definite", {"constraint": "[[2, sqrt(2)], [..., 1.001]] > 0"})  # determinant 2.002 - 2
+    refused("definite", {"constraint": "[[2, sqrt(2)], [..., 0.999]] > 0"})
+    make("definite", {"constraint": "[[2, 2], [..., 2]] >= 0"})
+    refused("definite", {"constraint": "[[2, 2], [..., 2]] > 0"})
+    refused("definite", {"constraint": "[[2, 2], [0, 2]] > 0"})
+    make("not_definite", {"constraint": "[[2, 2], [..., 2]] > 0"}, {"z": [1, -1]})
+    refused("not_definite", {"constraint": "[[2, 2], [..., 2]] >= 0"}, {"z": [1, -1]})
+    refused("not_definite", {"constraint": "[[2, 2], [..., 2]] > 0"}, {"z": [0, 0]})
+    make("not_definite", {"constraint": "[[-1, 0], [0, 1]] < 0"}, {"z": [0, 1]})
+    refused("not_definite", {"constraint": "[[-1, 0], [0, 1]] < 0"}, {"z": [1, 0]})
+
+
+@pytest.mark.parametrize("matrix", [SIMPLE, "printed('A')", "box('A')"])
+def test_lyapunov(matrix):
+    # eigenvalues -1 and -2, so the abscissa is -1; within half a unit of the third decimal still below -0.9
+    p = linalg.solve_continuous_lyapunov((A + 0.9 * I).T, -I)
+    certificate = make("lyapunov", {"matrix": matrix, "alpha": "-0.9"}, {"P": p})
+    assert proved(certificate) == {("abscissa", "less_than", "-0.9"), ("stable", "holds", None)}
+    refused(
+        "lyapunov", {"matrix": matrix, "alpha": "-1.1"}, {"P": linalg.solve_continuous_lyapunov((A + 1.1 * I).T, -I)}
+    )
+    assert "P > 0" in refused("lyapunov", {"matrix": matrix, "alpha": "-0.9"}, {"P": -p})
+
+
+def test_lyapunov_over_a_polytope():
+    # s^2 + k s + 1 is Hurwitz for each vertex, and x' diag(1, 1) x does not grow: P = I plus a small cross term
+    p = np.array([[1.0, 0.1], [0.1, 1.0]])
+    vertices = ["[[0, 1], [-1, -1]]", "[[0, 1], [-1, -2]]"]
+    make("lyapunov", {"matrix": vertices, "alpha": "0"}, {"P": p})
+    refused("lyapunov", {"matrix": [*vertices, "[[0, 1], [1, -2]]"], "alpha": "0"}, {"P": p})
+
+
+def test_lyapunov_with_equality_is_at_most():
+    certificate = make("lyapunov", {"matrix": "[[0, 1], [-1, 0]]", "alpha": "0"}, {"P": [["1", "0"], ["0", "1"]]})
+    assert proved(certificate) == {("abscissa", "at_most", "0")}
+
+
+def test_stein():
+    # |s + 1.5| = 0.5 for both eigenvalues
+    p = linalg.solve_discrete_lyapunov(((A + 1.5 * I) / 0.6).T, I)
+    certificate = make("stein", {"matrix": "printed('A')", "shift": "1.5", "radius": "0.6"}, {"P": p})
+    assert proved(certificate) == {("radius", "less_than", "0.6"), ("stable", "holds", None)}
+    refused("stein", {"matrix": "printed('A')", "shift": "1.5", "radius": "0.4"}, {"P": p})
+    refused("stein", {"matrix": "printed('A')", "shift": "1.5", "radius": "-0.6"}, {"P": p})
+
+
+def test_unstable_by_inertia():
+    plant = np.array([[0.0, 1.0], [2.0, -1.0]])  # eigenvalues 1 and -2
+    fields = {"matrix": "[[0, 1], [2, -1]]", "alpha": "0.9"}
+    p = linalg.solve_continuous_lyapunov((plant - 0.9 * I).T, -I)
+    z = np.linalg.eigh(p)[1][:, 0]
+    certificate = make("unstable", fields, {"P": p, "z": z})
+    assert proved(certificate) == {("abscissa", "greater_than", "0.9"), ("stable", "fails", None)}
+    refused("unstable", fields, {"P": p, "z": np.linalg.eigh(p)[1][:, 1]})
+    refused(
+        "unstable", {**fields, "alpha": "1.1"}, {"P": linalg.solve_continuous_lyapunov((plant - 1.1 * I).T, -I), "z": z}
+    )
+    disk = {"matrix": "[[0, 1], [2, -1]]", "shift": "0", "radius": "1.5"}
+    p = linalg.solve_discrete_lyapunov((plant / 1.5).T, I)
+    certificate = make("unstable", disk, {"P": p, "z": np.linalg.eigh(p)[1][:, 0]})
+    assert proved(certificate) == {("radius", "greater_than", "1.5")}
+
+
+def test_not_an_eigenvalue_over_a_box():
+    found = proved(make("not_an_eigenvalue", {"matrix": "box('A')", "real": "-1.5", "imaginary": "0.5"}))
+    distance = next(Fraction(v) for of, _, v in found if of == "distance")
+    # nearest eigenvalues -1 and -2: |0.5 + 0.5 i|, less what the box moves them (below 0.01)
+    assert 0 < distance < Fraction("0.71")
+    refused("not_an_eigenvalue", {"matrix": "box('A')", "real": "-1.001", "imaginary": "0"})
+    refused("not_an_eigenvalue", {"matrix": "printed('A')", "real": "-1", "imaginary": "0"})
+
+
+@pytest.mark.parametrize(
+    ("measure", "more", "expected"),
+    [
+        ("abscissa", {}, "-1"),
+        ("radius", {"shift": "1.2"}, "0.8"),
+        ("nearest", {"points": [["-1", "0.25"]]}, "0.25"),
+        ("matching", {"points": [["-2", "0.5"], ["-1", "-0.25"]]}, "0.5"),
+        ("matching", {"points": [["-1", "0"], ["-1", "0"]]}, "1"),  # both near -1: one must take -2
+    ],
+)
+def test_eigenvalue_measures(measure, more, expected):
+    ((_, _, value),) = proved(make("eigenvalues", {"matrix": SIMPLE, "measure": measure, **more}))
+    low, high = (Fraction(x) for x in value.split(".."))
+    assert low <= Fraction(expected) <= high
+    assert high - low < Fraction("1e-15")
+
+
+def test_eigenvalues_refuse_what_they_cannot_enclose():
+    refused("eigenvalues", {"matrix": "[[1, 1], [0, 1]]", "measure": "abscissa"})
+    refused("eigenvalues", {"matrix": SIMPLE, "measure": "median"})
+    refused("eigenvalues", {"matrix": SIMPLE, "measure": "matching", "points": [["0", "0"]]})
+
+
+SYSTEM = {"A": SIMPLE, "B": "col(0, 1)", "C": "row(1, 0)"}  # 1/((s + 1)(s + 2)): norm 1/2 at zero frequency
+B, C = np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])
+
+
+def test_bounded_real_and_its_lower_bound():
+    level = 0.5001
+    p = linalg.solve_continuous_are(A, B, C.T @ C + 1e-7 * I, -(level**2) * np.eye(1))
+    certificate = make("bounded_real", {**SYSTEM, "gamma": "0.5001"}, {"P": p})
+    assert proved(certificate) == {("norm", "less_than", "0.5001"), ("stable", "holds", None)}
+    refused("bounded_real", {**SYSTEM, "gamma": "0.4999"}, {"P": p})
+    refused("bounded_real", {**SYSTEM, "D": "1", "gamma": "0.5001"}, {"P": p})
+    make("norm_at_least", {**SYSTEM, "frequency": "0", "gamma": "0.5"}, {"u": [[1, 0]]})
+    refused("norm_at_least", {**SYSTEM, "frequency": "0", "gamma": "0.50001"}, {"u": [[1, 0]]})
+    # |G(i)| = 1/sqrt(2 * 5)
+    make("norm_at_least", {**SYSTEM, "frequency": "1", "gamma": "0.3162"}, {"u": [[0.5, -2]]})
+    refused("norm_at_least", {**SYSTEM, "frequency": "1", "gamma": "0.3163"}, {"u": [[0.5, -2]]})
+    refused("norm_at_least", {**SYSTEM, "frequency": "1", "gamma": "0"}, {"u": [[0, 0]]})
+
+
+def test_h2():
+    # 1/(s^2 + a s + b): squared norm 1/(2 a b) = 1/12, norm 0.288675...
+    p = linalg.solve_continuous_lyapunov(A.T, -C.T @ C - 1e-6 * I)
+    s = linalg.solve_continuous_lyapunov(A.T, -C.T @ C + 1e-6 * I)
+    fields = {**SYSTEM, "bound": "0.28868", "lower": "0.28867"}
+    found = proved(make("h2", fields, {"P": p, "S": s}))
+    assert {("norm", "at_most", "0.28868"), ("norm", "at_least", "0.28867")} <= found
+    refused("h2", {**fields, "bound": "0.28867"}, {"P": p, "S": s})
+    refused("h2", {**fields, "lower": "0.28868"}, {"P": p, "S": s})
+
+
+def test_quadratic_bound_of_an_uncertain_spring():
+    # x'' = -(2 + 0.1 lambda) x - 3 x'
+    p = linalg.solve_continuous_lyapunov(A.T, -2 * I)
+    fields = {
+        "A": SIMPLE,
+        "Q": "eye(2)",
+        "x0": "col(1, 0)",
+        "cost": "2.5",
+        "H": "col(0, 0.1)",
+        "Cz": "row(1, 0)",
+        "blocks": [["repeated", 1]],
+        "inputs": [{"of": "torque", "row": "row(0.1, 0.1)", "bound": "0.5"}],
+    }
+    witness = {"P": p, "D1": "0.5"}
+    # P from A'P + PA = -2 I has P11 = 5/2 in closed form
+    assert abs(p[0, 0] - 2.5) < 1e-12
+    found = proved(make("quadratic_bound", fields, {"P": [["2.5", "0.5"], ["0.5", "0.5"]], "D1": "0.5"}))
+    assert found == {("cost", "at_most", "2.5"), ("torque", "at_most", "0.5"), ("stable", "holds", None)}
+    refused("quadratic_bound", {**fields, "cost": "2.49"}, witness)
+    refused("quadratic_bound", {**fields, "H": "col(0, 3)"}, witness)  # unstable at lambda = -1
+    refused("quadratic_bound", {**fields, "inputs": [{"of": "u", "row": "row(0.1, 0.1)", "bound": "0.1"}]}, witness)
+    refused("quadratic_bound", fields, {"P": p, "D1": "-0.5"})
+    refused("quadratic_bound", {**fields, "Q": "-eye(2)"}, witness)
+    refused("quadratic_bound", {**fields, "blocks": [["repeated", 2]]}, witness)
+
+
+def test_quadratic_bound_without_uncertainty_gives_the_lyapunov_cost():
+    fields = {"A": SIMPLE, "Q": "2*eye(2)", "x0": "col(1, 0)", "cost": "2.5"}
+    # integral of 2 |x|^2 = x0' P x0 with A'P + PA = -2 I, exactly P11 = 5/2
+    assert proved(make("quadratic_bound", fields, {"P": [["2.5", "0.5"], ["0.5", "0.5"]]})) == {
+        ("cost", "at_most", "2.5")
+    }
+    refused("quadratic_bound", fields, {"P": [["2.4", "0.5"], ["0.5", "0.5"]]})
+
+
+def test_robust_disk_and_norm():
+    p = linalg.solve_discrete_lyapunov(((A + 1.7 * I) / 1.2).T, I)
+    lft = {"H": "col(0, 0.1)", "Cz": "row(1, 0)", "blocks": [["full", 1, 1]]}
+    fields = {"A": SIMPLE, **lft, "shift": "1.7", "radius": "1.2"}
+    assert ("radius", "less_than", "1.2") in proved(make("robust_disk", fields, {"P": p, "D1": "0.5"}))
+    # lambda = 1, H = 5: s^2 + 3 s - 3 has the root 0.79, outside the disk
+    refused("robust_disk", {**fields, "H": "col(0, 5)"}, {"P": p, "D1": "0.5"})
+    # a feedthrough of one makes 1 - Dw Delta singular at Delta = 1
+    refused("robust_disk", {**fields, "Dw": "1"}, {"P": p, "D1": "0.5"})
+    p = linalg.solve_continuous_lyapunov(A.T, -2 * I)
+    fields = {**SYSTEM, **lft, "gamma": "2"}
+    assert ("norm", "less_than", "2") in proved(make("robust_norm", fields, {"P": p, "D1": "0.5"}))
+    # at lambda = 1 the gain at zero frequency is 1/1.9 > 0.52
+    refused("robust_norm", {**fields, "gamma": "0.52"}, {"P": p, "D1": "0.5"})
+
+
+def test_skew_multipliers_only_for_real_repeated_numbers():
+    lft = {"H": "0.1*eye(2)", "Cz": "eye(2)", "blocks": [["repeated", 2]]}
+    p = linalg.solve_continuous_lyapunov(A.T, -2 * I)
+    witness = {"P": p, "D1": 0.5 * I, "G1": [["0", "0.01"], ["-0.01", "0"]]}
+    make("quadratic_bound", {"A": SIMPLE, **lft}, witness)
+    refused("quadratic_bound", {"A": SIMPLE, **lft}, {**witness, "G1": [["0", "0.01"], ["0.01", "0"]]})
+
+
+def test_enclosed():
+    low_high = proved(make("enclosed", {"formula": "sqrt(number('n'))", "low": "0.0336", "high": "0.0337"}))
+    assert ("value", "greater_than", "0.0336") in low_high  # 0.0336^2 = 1.12896e-3, 0.0337^2 = 1.13569e-3
+    refused("enclosed", {"formula": "sqrt(number('n'))", "high": "0.0336"})
+    assert proved(make("enclosed", {"formula": "1/4 + 0.25"})) == {("value", "inside", "0.5..0.5")}
+
+
+LYAPUNOV = [["lyapunov", "sym(P@M) < 0"], ["positive", "P > 0"]]
+P_UNKNOWN = {"P": {"shape": [2, 2], "structure": "symmetric"}}
+
+
+def test_feasible_point_with_exact_equations():
+    p = linalg.solve_continuous_lyapunov(A.T, -I)
+    fields = {
+        "constraints": [["lyapunov", "sym(P@M) + t*eye(2) <= 0"], ["trace", "trace(P) == 1"], ["room", "t > 0"]],
+        "maximise": "t",
+    }
+    common = {
+        "id": "c",
+        "paper": "p",
+        "statement": "s",
+        "tables": TABLES,
+        "unknowns": {**P_UNKNOWN, "t": {}},
+        "definitions": {"M": SIMPLE},
+    }
+    point = {"P": p / np.trace(p), "t": 0.9 / np.trace(p)}
+    certificate = build.feasible_point(fields=fields, point=point, **common)
+    found = {p.of: p for p in check(certificate, TABLES).proved}
+    # trace P = 5/4 + 1/4 = 3/2 for A'P + PA = -I, so t = 0.9/1.5 = 0.6
+    assert (found["objective"].relation, float(Fraction(found["objective"].value))) == ("at_least", 0.6)
+    diagonal = [Fraction(certificate.witness["P"][i][i]) for i in range(2)]
+    assert sum(diagonal) == 1
+    fields["constraints"].append(["contradiction", "trace(P) == 2"])
+    with pytest.raises(CertificateError, match="without a solution"):
+        build.feasible_point(fields=fields, point=point, **common)
+
+
+def test_farkas_against_an_unstable_matrix():
+    # M = [[1, 1], [0, 2]]: with V > 0 and M V + V M' = I, <V, sym(PM)> = trace P > 0, so P M + M'P < 0 fails
+    m = np.array([[1.0, 1.0], [0.0, 2.0]])
+    v = linalg.solve_continuous_lyapunov(m, I)
+    common = {"id": "c", "paper": "p", "statement": "s", "tables": TABLES, "unknowns": P_UNKNOWN}
+    fields = {"constraints": LYAPUNOV}
+    definitions = {"M": "[[1, 1], [0, 2]]"}
+    multipliers = {"lyapunov": v, "positive": m @ v + v @ m.T}
+    certificate = build.farkas(fields=fields, definitions=definitions, multipliers=multipliers, **common)
+    assert {(p.of, p.relation) for p in check(certificate, TABLES).proved} == {("feasible", "fails")}
+    with pytest.raises(CertificateError):  # a Hurwitz matrix has a Lyapunov function, so no multipliers exist
+        build.farkas(fields=fields, definitions={"M": SIMPLE}, multipliers=multipliers, **common)
+    with pytest.raises(CertificateError, match=">= 0 does not hold"):
+        build.farkas(fields=fields, definitions=definitions, multipliers={**multipliers, "lyapunov": -v}, **common)
+
+
+def test_farkas_with_a_congruence_for_every_value_of_a_parameter():
+    # eps > 0 and -eps e^2 > 0 cannot both hold, whatever e
+    fields = {"constraints": [["first", "eps*e**2 < 0"], ["eps", "eps > 0"]], "congruences": {"eps": "e"}}
+    make("farkas", fields, {"first": "1", "eps": "1"}, unknowns={"eps": {}, "e": {}})
+    del fields["congruences"]
+    assert "still holds" in refused("farkas", fields, {"first": "1", "eps": "1"}, unknowns={"eps": {}, "e": {}})
+
+
+def test_farkas_needs_strictness_or_a_negative_sum():
+    unknowns = {"x": {}}
+    refused("farkas", {"constraints": [["a", "x >= 0"], ["b", "x <= 0"]]}, {"a": "1", "b": "1"}, unknowns=unknowns)
+    make("farkas", {"constraints": [["a", "x > 0"], ["b", "x <= 0"]]}, {"a": "1", "b": "1"}, unknowns=unknowns)
+    make("farkas", {"constraints": [["a", "x >= 1"], ["b", "x <= 0"]]}, {"a": "1", "b": "1"}, unknowns=unknowns)
+    refused("farkas", {"constraints": [["a", "x > 0"], ["b", "x <= 0"]]}, {"b": "1"}, unknowns=unknowns)
+    make("farkas", {"constraints": [["a", "x == 1"], ["b", "x == 0"]]}, {"a": "1", "b": "-1"}, unknowns=unknowns)
+    # a congruence may be zero, so it carries no strictness
+    strict = {"constraints": [["a", "x > 0"], ["b", "x*e**2 <= 0"]], "congruences": {"a": "e"}}
+    refused("farkas", strict, {"a": "1", "b": "1"}, unknowns={"x": {}, "e": {}})
+
+
+def test_dual_bound_meets_the_optimum():
+    # min x + y subject to x y >= 1, x >= 0: 2 at x = y = 1
+    common = {"id": "c", "paper": "p", "statement": "s", "tables": TABLES, "unknowns": {"x": {}, "y": {}}}
+    fields = {"constraints": [["hyperbola", "[[x, 1], [..., y]] >= 0"]], "minimise": "x + y"}
+    certificate = build.dual_bound(fields=fields, multipliers={"hyperbola": [[1.0, -0.999], [-0.999, 1.0]]}, **common)
+    assert [(p.of, p.relation, p.value) for p in check(certificate, TABLES).proved] == [
+        ("objective", "at_least", "1.998")
+    ]
+    refused("dual_bound", {**fields, "bound": "2.001"}, {"hyperbola": [[1, -1], [-1, 1]]}, unknowns=common["unknowns"])
+    fields = {"constraints": [["disk", "[[1, x], [..., 1]] >= 0"]], "maximise": "x"}
+    certificate = build.dual_bound(fields=fields, multipliers={"disk": [[0.5, -0.5], [-0.5, 0.5]]}, **common)
+    assert [(p.of, p.relation, p.value) for p in check(certificate, TABLES).proved] == [("objective", "at_most", "1")]
+
+
+def test_linear_box():
+    # 0.50 and 0.25 stand for 0.495..0.505 and 0.245..0.255
+    unknowns = {"v": {"shape": [1, 2]}}
+
+    def fields(text, answer):
+        return {"constraints": [["sum", text]], "boxes": {"v": "v"}, "answer": answer}
+
+    make("linear_box", fields("v[0,0] + v[0,1] == 0.76", "holds"), {"v": [["0.505", "0.255"]]}, unknowns=unknowns)
+    refused("linear_box", fields("v[0,0] + v[0,1] == 0.761", "holds"), {"v": [["0.506", "0.255"]]}, unknowns=unknowns)
+    refused("linear_box", fields("v[0,0] + v[0,1] == 0.761", "holds"), {"v": [["0.505", "0.255"]]}, unknowns=unknowns)
+    make("linear_box", fields("v[0,0] + v[0,1] == 0.761", "fails"), {"sum": "1"}, unknowns=unknowns)
+    refused("linear_box", fields("v[0,0] + v[0,1] == 0.76", "fails"), {"sum": "1"}, unknowns=unknowns)
+    make("linear_box", fields("v[0,0] - 3*v[0,1] >= -0.2", "fails"), {"sum": "1"}, unknowns=unknowns)  # at most -0.23
+    refused("linear_box", fields("v[0,0] - 3*v[0,1] >= -0.2", "fails"), {"sum": "-1"}, unknowns=unknowns)
+
+
+def test_farkas_over_a_box_of_printed_digits():
+    # x in 0.495..0.505 and [[x, 1], [1, y]] >= 0 need y >= 1/0.505 > 1.98
+    unknowns = {"v": {"shape": [1, 2]}, "y": {}}
+    fields = {
+        "constraints": [["schur", "[[v[0,0], 1], [..., y]] >= 0"], ["small", "y <= 1.98"]],
+        "boxes": {"v": "v"},
+    }
+    z = np.array([[1.0, -0.505], [-0.505, 0.505**2]])
+    common = {"id": "c", "paper": "p", "statement": "s", "tables": TABLES, "unknowns": unknowns}
+    multipliers = {"schur": z, "small": [[0.255025]]}
+    certificate = build.farkas(fields=fields, multipliers=multipliers, **common)
+    assert check(certificate, TABLES).proved[0].relation == "fails"
+    fields["constraints"][1] = ["small", "y <= 1.99"]
+    with pytest.raises(CertificateError):
+        build.farkas(fields=fields, multipliers=multipliers, **common)
