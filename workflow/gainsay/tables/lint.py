@@ -97,13 +97,22 @@ def _claim_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
 
 
 def lint(case: "Case") -> None:
-    """Check every reference between a paper's tables.
+    """Check every reference between a paper's tables, and that what is computed is in SI.
 
     Raises
     ------
     InputError
         At the first fault, naming file, row, field, value and what was expected.
     """
+    for row, declared in enumerate(case.quantities.values(), start=_ROW_OF_FIRST):
+        if to_si(declared.unit) != (declared.unit, 1):
+            raise InputError(
+                file=f"papers/{case.name}/quantities.csv",
+                row=row,
+                field="unit",
+                value=declared.unit,
+                expected=f"{to_si(declared.unit)[0]}, since what is computed is in SI",
+            )
     for row, claim in enumerate(case.claims.values(), start=_ROW_OF_FIRST):
         for field, value, expected in _claim_faults(case, claim):
             raise InputError(
@@ -129,12 +138,3 @@ def lint(case: "Case") -> None:
             finite = False
         if not finite:
             raise InputError(file=file, row=row, field="value", value=recorded.value, expected="a finite number")
-    for row, declared in enumerate(case.quantities.values(), start=_ROW_OF_FIRST):
-        if to_si(declared.unit) != (declared.unit, 1):
-            raise InputError(
-                file=f"papers/{case.name}/quantities.csv",
-                row=row,
-                field="unit",
-                value=declared.unit,
-                expected=f"{to_si(declared.unit)[0]}: what is computed is in SI",
-            )

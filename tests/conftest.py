@@ -1,0 +1,86 @@
+"""A small project on disk that tests of tables, verdicts and steps share."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from gainsay.tables import Case, read_case
+
+TOY = {
+    "Snakefile": "",
+    "papers/toy/paper.toml": """title = "A toy"
+authors = ["A. Author"]
+journal = "Journal of Toys"
+year = 2000
+doi = "10.1000/toy"
+
+[designs]
+repaired = "a design"
+
+[runs]
+nominal = "a run"
+
+[figures]
+figure_1 = "a picture"
+""",
+    "papers/toy/printed/K.csv": "1.50,-2e-3\n0.1,7\n",
+    "papers/toy/parameters.csv": """name,type,value,unit,where,status,plausible,note
+mass,number,2.0,kg,(1),printed,,
+height,number,400,km,(1),printed,,
+guess,number,0.5,1,(2),assumed,0..1,left out
+count,number,3,1,(2),assumed,2|3,left out
+start,choice,near,1,(2),assumed,near|far,left out
+K,matrix,printed/K.csv 2x2,mixed,(3),printed,,
+""",
+    "papers/toy/quantities.csv": """id,unit,step,meaning
+audit.length,m,audit,a length
+audit.other,m,audit,another length
+audit.holds,1,audit,whether it holds
+run.peak,N,simulation,a peak
+""",
+    "papers/toy/claims.csv": """id,where,kind,statement,comparator,quantity,published,unit,tolerance,expected,basis,note
+length,(1),parameter,it is 1.50 m,equal,audit.length,1.50,m,,reproduced,by hand,
+bound,(2),norm-bound,it is at most 2 m,at_most,audit.other,2,m,,reproduced,by hand,
+lmi,(3),feasibility,it is feasible,feasible,audit.holds,,1,,reproduced,by hand,
+peak,Figure 1,trajectory,it peaks below 40 N,at_most,run.peak,40,N,,reproduced,by hand,
+both,(2),norm-bound,both hold,all_of,bound lmi,,1,,reproduced,by hand,
+talk,Section 1,remark,it is the best,,,,1,,uncheckable,nothing to compare with,
+""",
+    "papers/toy/errata.csv": """id,where,printed,corrected,effect,witness
+sign,(1),+,-,none,audit.length
+""",
+    "papers/toy/not_checked.csv": "where,what,reason\n(4),a definition,nothing is claimed\n",
+    "papers/toy/recorded.csv": """quantity,value,unit,relative,absolute,reason
+audit.length,1.5,m,1e-6,1e-12,rounding
+""",
+}
+
+
+@dataclass
+class Project:
+    """A project folder whose files a test may change."""
+
+    root: Path
+    paper: str = "toy"
+
+    def file(self, name: str) -> Path:
+        return self.root / "papers" / self.paper / name
+
+    def edit(self, name: str, old: str, new: str) -> None:
+        """Replace text that stands exactly once in a table."""
+        text = self.file(name).read_text()
+        assert text.count(old) == 1, (name, old)
+        self.file(name).write_text(text.replace(old, new))
+
+    def case(self) -> Case:
+        return read_case(self.root, self.paper)
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Project:
+    """Return a small well-formed project with the paper `toy`."""
+    for name, text in TOY.items():
+        path = tmp_path / "project" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return Project(tmp_path / "project")

@@ -1,0 +1,212 @@
+import csv
+import io
+import math
+import tempfile
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gainsay.errors import InputError
+from gainsay.tables import find_root, paper_names, read_case
+from gainsay.tables.docs import documents
+from gainsay.tables.files import cell, read_csv, write_atomically, write_csv, write_json
+from gainsay.tables.units import UNITS, to_si
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def refused(project) -> InputError:
+    with pytest.raises(InputError) as caught:
+        project.case()
+    assert "\n" not in str(caught.value)
+    return caught.value
+
+
+def test_a_well_formed_paper_is_read(project):
+    case = project.case()
+    assert case.number("height") == 400e3  # 1 km = 1000 m
+    assert case.exact("height") == 400_000
+    assert case.exact("mass") == 2
+    assert case.choice("start") == "near"
+    assert case.printed("K").shape == (2, 2)
+    assert case.printed("K").exact == ((Fraction(3, 2), Fraction(-2, 1000)), (Fraction(1, 10), Fraction(7)))
+    assert case.printed("K").half_units[0] == (Fraction(1, 200), Fraction(1, 2000))  # by hand, last places
+    assert case.printed("K").low[0][0] == Fraction(1495, 1000)
+    np.testing.assert_array_equal(case.matrix("K"), [[1.5, -2e-3], [0.1, 7.0]])
+    assert set(case.assumed) == {"guess", "count", "start"}
+    with pytest.raises(ValueError, match="read-only"):
+        case.matrix("K")[0, 0] = 1
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"), [("weight", "number"), ("K", "number"), ("mass", "matrix"), ("mass", "choice")]
+)
+def test_a_parameter_that_is_not_there_or_of_another_type(project, name, kind):
+    case = project.case()
+    with pytest.raises(InputError, match=rf"papers/toy/parameters.csv.*'{name}'.*a {kind} of this name"):
+        {"number": case.number, "matrix": case.matrix, "choice": case.choice}[kind](name)
+
+
+#: file, text, its replacement, row, field, a part of the message
+BAD = [
+    ("parameters.csv", "2.0,kg", "2.0 ,kg", 2, "value", "text on one line"),
+    ("parameters.csv", "2.0,kg", "2.O,kg", 2, "value", "a decimal number"),
+    ("parameters.csv", "2.0,kg", '"2,0",kg', 2, "value", "a decimal number"),
+    ("parameters.csv", "2.0,kg", "2.0,lb", 2, "unit", "a known unit"),
+    ("parameters.csv", "2.0,kg", ",kg", 2, "value", "at least 1 character"),
+    ("parameters.csv", "mass,number", "mass,numbers", 2, "type", "'number'"),
+    ("parameters.csv", "mass,number", "height,number", 3, "name", "a name not used above"),
+    ("parameters.csv", "(1),printed,,\nheight", "(1),printed,1..3,\nheight", 2, "plausible", "nothing"),
+    ("parameters.csv", "assumed,0..1", "assumed,", 4, "plausible", "plausible values"),
+    ("parameters.csv", "assumed,0..1", "assumed,1..2", 4, "plausible", "contains the value 0.5"),
+    ("parameters.csv", "assumed,0..1", "assumed,1..0", 4, "plausible", "contains the value 0.5"),
+    ("parameters.csv", "assumed,0..1", "assumed,0-1", 4, "plausible", "decimal numbers"),
+    ("parameters.csv", "assumed,2|3", "assumed,2|4", 5, "plausible", "contains the value 3"),
+    ("parameters.csv", "near|far", "close|far", 6, "value", "one of close|far"),
+    ("parameters.csv", "start,choice,near,1", "start,choice,near,m", 6, "unit", "only numbers and matrices"),
+    ("parameters.csv", "K.csv 2x2", "K.csv", 7, "value", "file and shape"),
+    ("parameters.csv", "printed/K.csv 2x2", "../K.csv 2x2", 7, "value", "file and shape"),
+    ("parameters.csv", "mass,number,2.0,kg,(1)", "mass,number,2.0,kg", 2, None, "8 cells"),
+    ("parameters.csv", "name,type", "type,name", 1, None, "name,type"),
+    ("parameters.csv", '(2),assumed,2|3,left out', '(2),assumed,2|3,"left out', None, None, "well-formed CSV"),
+    ("printed/K.csv", "0.1", "0.1x", 2, "column 1", "a decimal number"),
+    ("printed/K.csv", "0.1", " 0.1", 2, "column 1", "a decimal number"),
+    ("printed/K.csv", "0.1", "−0.1", 2, "column 1", "a decimal number"),
+    ("printed/K.csv", "0.1,7", "0.1", 2, None, "2 cells"),
+    ("printed/K.csv", "0.1,7\n", "", None, "shape", "2x2"),
+    ("quantities.csv", "audit.other,m", "audit.other,parsec", 3, "unit", "a known unit"),
+    ("quantities.csv", "audit.other,m", "audit.other,km", 3, "unit", "m, since what is computed is in SI"),
+    ("quantities.csv", "audit.other,m", "Audit.Other,m", 3, "id", "match"),
+    ("quantities.csv", "audit.other,m", "audit.length,m", 3, "id", "a name not used above"),
+    ("quantities.csv", "audit.other,m,audit", "audit.other,m,report", 3, "step", "'audit'"),
+    ("claims.csv", "equal,audit.length", "equal,audit.width", 2, "quantity", "declared in quantities.csv"),
+    ("claims.csv", "equal,audit.length", "equal,", 2, "quantity", "declared in quantities.csv"),
+    ("claims.csv", "equal,audit.length,1.50,m", "equal,audit.length,1.50,s", 2, "unit", "the unit of audit.length"),
+    ("claims.csv", "equal,audit.length,1.50", "equal,audit.length,about 1.5", 2, "published", "a decimal number"),
+    ("claims.csv", "equal,audit.length,1.50", "inside,audit.length,1.50", 2, "published", "low..high"),
+    ("claims.csv", "equal,audit.length,1.50", "inside,audit.length,2..1", 2, "published", "smaller end first"),
+    ("claims.csv", "equal,audit.length,1.50", "less_than,audit.length,run.peak", 2, "published", "a quantity in m"),
+    ("claims.csv", "equal,audit.length,1.50", "like,audit.length,1.50", 2, "comparator", "'equal'"),
+    ("claims.csv", "equal,audit.length,1.50", ",audit.length,1.50", 2, "comparator", "a comparator"),
+    ("claims.csv", "1.50,m,,reproduced", "1.50,m,-1,reproduced", 2, "tolerance", "at least 0"),
+    ("claims.csv", "1.50,m,,reproduced", "1.50,m,0.1,reproduced", 2, "note", "the reason of the stated tolerance"),
+    ("claims.csv", "feasible,audit.holds,,1,,", "feasible,audit.holds,,1,0.1,", 4, "tolerance", "no tolerance"),
+    ("claims.csv", "feasible,audit.holds,,", "feasible,audit.holds,1,", 4, "published", "feasibility has no value"),
+    ("claims.csv", "1.50,m,,reproduced", "1.50,m,,confirmed", 2, "expected", "'reproduced'"),
+    ("claims.csv", "1.50,m,,reproduced", "1.50,m,,failed", 2, "expected", "never on record"),
+    ("claims.csv", "1.50,m,,reproduced,by hand", "1.50,m,,reproduced,", 2, "basis", "at least 1 character"),
+    ("claims.csv", "it is 1.50 m", '"it is\n1.50 m"', 2, "statement", "on one line"),
+    ("claims.csv", "(1),parameter", "(1),guess", 2, "kind", "'parameter'"),
+    ("claims.csv", "all_of,bound lmi", "all_of,bound none", 6, "quantity", "another claim"),
+    ("claims.csv", "all_of,bound lmi", "all_of,bound both", 6, "quantity", "another claim"),
+    ("claims.csv", "all_of,bound lmi", "all_of,", 6, "quantity", "the claims that it joins"),
+    ("claims.csv", "all_of,bound lmi", "all_of,bound peak", 6, "quantity", "needs a proof"),
+    ("claims.csv", "1,,uncheckable", "1,,reproduced", 7, "expected", "uncheckable"),
+    ("claims.csv", "the best,,,", "the best,equal,audit.length,", 7, "comparator", "nothing"),
+    ("errata.csv", "audit.length", "", 2, "witness", "at least 1 character"),
+    ("recorded.csv", "audit.length", "audit.width", 2, "quantity", "one of quantities.csv"),
+    ("recorded.csv", "1.5,m", "1.5,s", 2, "unit", "m"),
+    ("recorded.csv", "1.5,m", "inf,m", 2, "value", "a finite number"),
+    ("recorded.csv", "1e-6", "one", 2, "relative", "a decimal number"),
+    ("paper.toml", "year = 2000", "year = 200", None, "year", "1900"),
+    ("paper.toml", 'doi = "10.1000/toy"', 'doi = "toy"', None, "doi", "match"),
+    ("paper.toml", 'title = "A toy"', 'name = "A toy"', None, "title", "missing"),
+    ("paper.toml", "[runs]", "[runs", None, None, "well-formed TOML"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("file", "old", "new", "row", "field", "expected"), BAD)
+def test_every_fault_is_named(project, file, old, new, row, field, expected):
+    project.edit(file, old, new)
+    error = refused(project)
+    assert str(error.file) == f"papers/toy/{file}"
+    if row is not None:
+        assert error.row == row
+        assert f"{file}:{row}:" in str(error)
+    if field is not None:
+        assert error.field == field
+    assert expected in str(error)
+
+
+@pytest.mark.parametrize(
+    "name", ["parameters.csv", "quantities.csv", "claims.csv", "errata.csv", "not_checked.csv", "recorded.csv",
+             "paper.toml", "printed/K.csv"]
+)  # fmt: skip
+def test_a_missing_empty_or_undecodable_table_is_named(project, name):
+    project.file(name).write_bytes(b"\xff\xfe")
+    assert "UTF-8" in str(refused(project))
+    project.file(name).write_text("")
+    assert str(refused(project)).startswith(f"papers/toy/{name}:")
+    project.file(name).unlink()
+    error = refused(project)
+    assert str(error) == f"papers/toy/{name}: file not found: expected a readable file"
+
+
+def test_an_unknown_paper_and_a_folder_outside_any_project(project, tmp_path):
+    assert paper_names(project.root) == ["toy"]
+    for name in ("none", "../papers/toy", ""):
+        with pytest.raises(InputError, match="unknown paper.*toy"):
+            read_case(project.root, name)
+    assert find_root(project.root / "papers" / "toy") == project.root
+    with pytest.raises(InputError, match="not inside a project"):
+        find_root(tmp_path)
+
+
+def test_generated_documents_are_not_stale():
+    for file, text in documents(ROOT).items():
+        assert (ROOT / file).read_text() == text, f"{file} is stale: make docs"
+
+
+def test_units_convert_to_units_that_are_si_themselves():
+    for unit, (si, factor) in UNITS.items():
+        assert UNITS[si] == (si, 1), unit
+        assert factor > 0
+    # 180 deg = pi rad and 60 rpm = 2 pi rad/s, to the last bit of a double
+    assert float(180 * to_si("deg")[1]) == pytest.approx(math.pi, rel=2e-16)
+    assert float(60 * to_si("rpm")[1]) == pytest.approx(2 * math.pi, rel=2e-16)
+
+
+TEXT = st.text(st.characters(codec="utf-8", exclude_characters="\r"), max_size=20)
+
+
+@given(st.lists(st.lists(TEXT, min_size=2, max_size=2), max_size=5))
+@settings(max_examples=50, deadline=None)
+def test_a_written_table_reads_back_as_it_was(rows):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "table.csv"
+        write_csv(path, ("a", "b"), rows)
+        header, found = read_csv(path)
+    assert header == ["a", "b"]
+    assert [cells for _, cells in found] == rows
+
+
+@given(st.floats(allow_nan=False))
+def test_doubles_keep_all_their_bits(value):
+    assert float(cell(value)) == value
+    assert cell(np.float64(value)) == cell(value)
+
+
+@given(st.text(max_size=20))
+def test_no_text_breaks_a_row_apart(text):
+    buffer = io.StringIO()
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return
+    csv.writer(buffer, lineterminator="\n").writerow([cell(text), "end"])
+    assert len(list(csv.reader(io.StringIO(buffer.getvalue(), newline=""), strict=True))) == 1
+
+
+def test_a_write_that_breaks_leaves_the_old_file_and_no_other(tmp_path):
+    path = tmp_path / "a.json"
+    write_atomically(path, "old")
+
+    with pytest.raises(TypeError):
+        write_json(path, {"value": object()})
+    with pytest.raises(UnicodeEncodeError):
+        write_atomically(path, "\udc80")
+    assert path.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["a.json"]
