@@ -108,7 +108,7 @@ def test_everything_a_log_holds(tmp_path):
     assert log.frames == {"chaser": "lvlh"}
     assert log.duration == time[-1]
     assert log.count("/state") == 3
-    assert log.kind("/tf") == "transforms"
+    assert log.kind("/tf/chaser") == "transforms"
 
 
 def test_transforms_parse_as_foxglove_messages(tmp_path):
@@ -120,9 +120,10 @@ def test_transforms_parse_as_foxglove_messages(tmp_path):
     with write(tmp_path / "a.mcap") as log:
         log.transform("lvlh", "chaser_with_a_long_name", time, shift, turn)
         log.transform("lvlh", "fixed", [0.0], [[1.0, 2.0, 3.0]])
-    messages = read_log(tmp_path / "a.mcap").messages("/tf")
-    assert len(messages) == 7
-    for row, (at, message) in enumerate(messages[:6]):
+    log = read_log(tmp_path / "a.mcap")
+    messages = log.messages("/tf/chaser_with_a_long_name")
+    assert len(messages) == 6
+    for row, (at, message) in enumerate(messages):
         (made,) = message.transforms
         assert made.timestamp.seconds * 10**9 + made.timestamp.nanos == round(time[row] * 1e9)
         assert at == pytest.approx(time[row], abs=1e-9)
@@ -131,7 +132,9 @@ def test_transforms_parse_as_foxglove_messages(tmp_path):
         assert [made.rotation.x, made.rotation.y, made.rotation.z, made.rotation.w] == turn[row].tolist()
         again = foxglove_class("FrameTransforms").FromString(message.SerializeToString())
         assert again == message
-    assert messages[6][1].transforms[0].rotation.w == 1.0
+    ((_, fixed),) = log.messages("/tf/fixed")
+    assert fixed.transforms[0].rotation.w == 1.0
+    assert log.frames == {"chaser_with_a_long_name": "lvlh", "fixed": "lvlh"}
 
 
 def test_scene_elements_are_foxglove_entities(tmp_path):

@@ -13,7 +13,7 @@ from google.protobuf.message import DecodeError
 from gainsay.errors import LogError
 from gainsay.logs.scan import RawChannel, RawLog, scan
 from gainsay.logs.schemas import foxglove_class
-from gainsay.logs.writer import EVENTS, LEVELS, PROVENANCE, TRANSFORMS
+from gainsay.logs.writer import EVENTS, LEVELS, PROVENANCE
 
 if TYPE_CHECKING:
     import pandas
@@ -190,11 +190,11 @@ class Log(Mapping[str, Signal]):
     @cached_property
     def frames(self) -> Mapping[str, str]:
         """Parent of every frame that a transform relates."""
-        if TRANSFORMS not in self._raw:
-            return {}
         return {
             turn.child_frame_id: turn.parent_frame_id
-            for _, message in self.messages(TRANSFORMS)
+            for topic in self._raw
+            if self.kind(topic) == "transforms"
+            for _, message in self.messages(topic)
             for turn in message.transforms
         }
 

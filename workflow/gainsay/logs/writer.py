@@ -12,9 +12,10 @@ import numpy as np
 from gainsay.errors import InputError
 from gainsay.logs import scene, schemas
 from gainsay.logs.container import Container
+from gainsay.logs.frames import transform_block
 
 PROVENANCE = "gainsay.provenance"
-EVENTS, TRANSFORMS = "/events", "/tf"
+EVENTS = "/events"
 LEVELS = ("unknown", "debug", "info", "warning", "error", "fatal")
 LAST_TIME = 9.2e9  # seconds; nanoseconds must fit into 63 bits
 _MEDIA = {".csv": "text/csv", ".toml": "application/toml", ".json": "application/json", ".md": "text/markdown"}
@@ -24,12 +25,6 @@ _ROWS = 1 << 16  # rows encoded at once, which bounds the memory of a call
 def nanoseconds(time: np.ndarray) -> np.ndarray:
     """Log time of each time in seconds: round(t 1e9) as unsigned integers."""
     return np.rint(np.asarray(time, dtype=float) * 1e9).astype(np.uint64)
-
-
-def _varint5(values: np.ndarray) -> np.ndarray:
-    """Encode integers below 2**35 as protobuf varints padded to five bytes, so that all are equally long."""
-    shifted = values.astype(np.uint64)[:, None] >> np.arange(0, 35, 7, dtype=np.uint64)
-    return (shifted & np.uint64(0x7F)).astype(np.uint8) | np.array([0x80] * 4 + [0], dtype=np.uint8)
 
 
 class LogWriter:
@@ -77,6 +72,7 @@ class LogWriter:
         self._end = 0.0
         self._bounds: dict[str, tuple[dict[str, str], list[float]]] = {}
         self._summaries: dict[str, tuple[float, str]] = {}
+        self._events: list[tuple[int, bytes]] = []
         self._out: Container | None = None
 
     def __enter__(self) -> Self:
@@ -99,6 +95,8 @@ class LogWriter:
             self._discard()
             return
         try:
+            for time_ns, data in sorted(self._events, key=lambda event: event[0]):
+                self._out.message(self._topics[EVENTS][0], time_ns, data)
             for name, (units, values) in self._bounds.items():
                 self._numbers(f"/bounds/{name}", units, "bound", [self._end], [values])
             for name, (value, unit) in self._summaries.items():
@@ -200,11 +198,12 @@ class LogWriter:
         """Log an event for the text log of the viewers (``foxglove.Log``); its time is kept to the nanosecond."""
         if level not in LEVELS:
             raise InputError("level of an event", value=level, expected="one of " + ", ".join(LEVELS))
-        channel = self._channel(EVENTS, "events", None, "Log")
+        self._channel(EVENTS, "events", None, "Log")
         time_ns = self._moment(f"event {name}", time)
         message = schemas.foxglove_class("Log")(level=LEVELS.index(level), message=text, name=name)
         message.timestamp.seconds, message.timestamp.nanos = divmod(time_ns, 10**9)
-        self._out.message(channel, time_ns, message.SerializeToString(deterministic=True))
+        # Kept until the end: extremes are often found late, and a topic should be in order of time.
+        self._events.append((time_ns, message.SerializeToString(deterministic=True)))
 
     def _moment(self, what: str, time: float) -> int:
         if not 0.0 <= time < LAST_TIME:
@@ -241,7 +240,7 @@ class LogWriter:
     def transform(
         self, parent: str, child: str, time: object, translation: object, rotation: object | None = None
     ) -> None:
-        """Relate two frames over time, as ``foxglove.FrameTransforms`` on ``/tf``.
+        """Relate two frames over time, as ``foxglove.FrameTransforms`` on ``/tf/<child>``.
 
         Parameters
         ----------
@@ -254,10 +253,10 @@ class LogWriter:
         rotation : (N, 4) array_like, optional
             Unit quaternion x, y, z, w that takes child components to parent components; identity by default.
         """
-        channel = self._channel(TRANSFORMS, "transforms", None, "FrameTransforms")
         for frame in (parent, child):
             schemas.check_name(frame, "frame")
-        key = f"{TRANSFORMS} {parent} {child}"
+        key = f"/tf/{child}"
+        channel = self._channel(key, "transforms", None, "FrameTransforms")
         clock = self._times(key, time)
         count = len(clock)
         shift = np.asarray(translation, dtype=float)
@@ -266,46 +265,18 @@ class LogWriter:
             raise InputError(f"{key}: shapes", value=(shift.shape, turn.shape), expected=f"({count}, 3), ({count}, 4)")
         if not (np.isfinite(shift).all() and (abs(np.linalg.norm(turn, axis=1) - 1.0) < 1e-6).all()):
             raise InputError(key, expected="finite translations and unit quaternions")
-        moments = nanoseconds(clock)
-        names = b"".join(
-            bytes([tag, len(text)]) + text for tag, text in ((0x12, parent.encode()), (0x1A, child.encode()))
-        )
-        inner = 2 + 12 + len(names) + 2 + 27 + 2 + 36
-        if len(parent) > 60 or len(child) > 60:
-            raise InputError(key, expected="frame names of at most 60 letters")
-        length = bytes([inner]) if inner < 128 else bytes([inner & 0x7F | 0x80, inner >> 7])
-        # The bytes of FrameTransforms in wire order; strings are constants, times padded varints, numbers 64 bit.
-        parts: list[tuple[str, object, object]] = [
-            ("opcode", "u1", 5),
-            ("length", "<u8", 22 + 1 + len(length) + inner),
-            ("channel", "<u2", 0),
-            ("sequence", "<u4", 0),
-            ("log_time", "<u8", moments),
-            ("publish_time", "<u8", moments),
-            ("open", f"V{3 + len(length) + 1}", np.void(b"\x0a" + length + b"\x0a\x0c\x08")),
-            ("seconds", ("u1", 5), _varint5(moments // np.uint64(10**9))),
-            ("tag", "u1", 0x10),
-            ("nanos", ("u1", 5), _varint5(moments % np.uint64(10**9))),
-            ("names", f"V{len(names)}", np.void(names)),
-            ("moved", "V2", np.void(b"\x22\x1b")),
-        ]
-        for axis in range(3):
-            parts += [(f"s{axis}", "u1", axis + 1 << 3 | 1), (f"x{axis}", "<f8", shift[:, axis])]
-        parts.append(("turned", "V2", np.void(b"\x2a\x24")))
-        for axis in range(4):
-            parts += [(f"q{axis}", "u1", axis + 1 << 3 | 1), (f"r{axis}", "<f8", turn[:, axis])]
-        block = np.empty(
-            count, dtype=np.dtype([(name, *(kind if isinstance(kind, tuple) else (kind,))) for name, kind, _ in parts])
-        )
-        for name, _, value in parts:
-            block[name] = value
-        self._out.records(channel, block)
+        for start in range(0, count, _ROWS):
+            some = slice(start, start + _ROWS)
+            self._out.records(
+                channel, transform_block(parent, child, nanoseconds(clock[some]), shift[some], turn[some])
+            )
 
     def _scene(self, name: str, time: float, entity: object) -> None:
         """Write one entity as a ``foxglove.SceneUpdate`` on ``/scene/<name>``."""
         schemas.check_name(name, "scene element")
         channel = self._channel(f"/scene/{name}", "scene", None, "SceneUpdate")
         time_ns = self._moment(f"scene element {name}", time)
+        self._times(f"/scene/{name}", [time])
         entity.id = name
         entity.timestamp.seconds, entity.timestamp.nanos = divmod(time_ns, 10**9)
         update = schemas.foxglove_class("SceneUpdate")(entities=[entity])
@@ -351,7 +322,7 @@ class LogWriter:
         origin : (3,) array_like
             Foot of the arrow in `frame`, m.
         """
-        clock = self._times(f"/scene/{name}", time)
+        clock = np.asarray(time, dtype=float)
         arrows = np.asarray(vectors, dtype=float)
         if arrows.shape != (len(clock), 3):
             raise InputError(f"vectors of {name} have shape", value=arrows.shape, expected=f"({len(clock)}, 3)")
@@ -374,7 +345,7 @@ class LogWriter:
         modal : (N, m) array_like, optional
             Modal coordinates over time; zero by default. At most `scene.UPDATES` of the samples are drawn.
         """
-        clock = self._times(f"/scene/{name}", time)
+        clock = np.asarray(time, dtype=float)
         modes = max((len(appendage.tip) for appendage in body.appendages), default=0)
         shapes = np.zeros((len(clock), modes)) if modal is None else np.asarray(modal, dtype=float)
         if shapes.ndim != 2 or len(shapes) != len(clock) or shapes.shape[1] < modes:

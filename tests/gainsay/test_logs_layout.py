@@ -1,0 +1,194 @@
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gainsay.errors import InputError, LogError
+from gainsay.logs import (
+    Bound,
+    Columns,
+    EventLog,
+    Layout,
+    Line,
+    LogWriter,
+    Measured,
+    Plot,
+    Rows,
+    RunSpec,
+    Scene,
+    Tab,
+    Text,
+    read_log,
+)
+from gainsay.logs.check import check_layout, layout_problems
+from gainsay.logs.demo import LAYOUT, write_demo
+from gainsay.logs.foxglove import foxglove_layout
+from gainsay.logs.palette import ROLES, rgb, role
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory):
+    return read_log(write_demo(tmp_path_factory.mktemp("demo") / "spiral.mcap", samples=101))
+
+
+def one(panel):
+    return Layout("demo", (Tab("T", panel),))
+
+
+def plot(topic="/chaser/thrust", field="x", title="Thrust [N]", **kwargs):
+    return Plot(title, (Line(topic, field, "f", "axis_1"),), **kwargs)
+
+
+def test_demo_layout_fits_its_log(log):
+    check_layout(LAYOUT, log)
+
+
+@pytest.mark.parametrize(
+    ("panel", "words"),
+    [
+        (plot(topic="/chaser/thrusts"), "no signal /chaser/thrusts"),
+        (plot(topic="/events"), "no signal /events"),
+        (plot(topic="/scene/path"), "no signal /scene/path"),
+        (plot(field="w"), "no field 'w' in /chaser/thrust"),
+        (plot(title="Thrust [kN]"), r"/chaser/thrust\.x is in 'N'"),
+        (plot(topic="/chaser/position"), r"/chaser/position\.x is in 'm'"),
+        (plot(bounds=(Bound("thrust"),)), "no bound 'thrust'"),
+        (Scene("S", "eci", elements=("path",)), "no frame 'eci'"),
+        (Scene("S", "lvlh", elements=("paths",)), "no element 'paths'"),
+        (Scene("S", "lvlh", axes=("chaser_lvlh",)), "no element 'axes_chaser_lvlh'"),
+        (Scene("S", "lvlh", elements=("path",), follow="x"), "no frame 'x'"),
+        (Scene("S", "lvlh"), "nothing to draw"),
+    ],
+)
+def test_what_does_not_resolve_is_named(log, panel, words):
+    with pytest.raises(LogError, match=rf"spiral\.mcap: layout demo: .*{words}"):
+        check_layout(one(panel), log)
+
+
+def test_all_problems_are_counted(log):
+    layout = one(Rows(plot(field="w"), plot(topic="/nothing")))
+    assert len(layout_problems(layout, log)) == 2
+    with pytest.raises(LogError, match=r"and 1 more"):
+        check_layout(layout, log)
+
+
+def test_empty_topics_events_and_loose_frames_are_found(tmp_path):
+    with LogWriter(tmp_path / "a.mcap", provenance={}) as writing:
+        writing.signal("/a", {"x": "m"}, [], np.empty((0, 1)))
+        writing.transform("lvlh", "chaser", [0.0], [[0, 0, 0]])
+        writing.transform("eci", "earth", [0.0], [[0, 0, 0]])
+        writing.line("path", "earth", [[0, 0, 0], [1, 1, 1]], "truth")
+    log = read_log(tmp_path / "a.mcap")
+    assert layout_problems(one(plot("/a", "x", "A [m]")), log) == ["plot 'A [m]': no message on /a"]
+    assert "no event" in layout_problems(one(EventLog()), log)[0]
+    assert "'earth' of 'path' is not tied to 'lvlh'" in layout_problems(one(Scene("S", "lvlh", ("path",))), log)[0]
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: plot(title="Thrust"),
+        lambda: plot(title="[N]"),
+        lambda: Plot("Thrust [N]", ()),
+        lambda: Line("/a", "x", "x", "pink"),
+        lambda: Line("/a", "x", "", "axis_1"),
+        lambda: Line("/a", "x.y", "x", "axis_1"),
+        lambda: Line("a", "x", "x", "axis_1"),
+        lambda: Rows(),
+        lambda: Rows(plot(), shares=(1, 2)),
+        lambda: Columns(plot(), shares=(0,)),
+        lambda: Layout("demo", ()),
+        lambda: Layout("Demo 1", (Tab("A", plot()),)),
+        lambda: Layout("demo", (Tab("A", plot()), Tab("A", plot()))),
+        lambda: RunSpec("Run 1", "about", print, print),
+        lambda: Measured(1.0, "two\nlines"),
+        lambda: Measured(1.0, "m", lower=2.0),
+    ],
+)
+def test_wrong_declarations_are_refused(make):
+    with pytest.raises(InputError):
+        make()
+
+
+def test_tabs_of_some_runs():
+    layout = Layout("demo", (Tab("A", plot()), Tab("B", plot(), runs=("clipped",))))
+    assert [tab.title for tab in layout.for_run("nominal").tabs] == ["A"]
+    assert [tab.title for tab in layout.for_run("clipped").tabs] == ["A", "B"]
+
+
+def leaves(tree):
+    if isinstance(tree, str):
+        return [tree]
+    assert tree.keys() == {"direction", "first", "second", "splitPercentage"}
+    assert tree["direction"] in ("row", "column")
+    assert 0 < tree["splitPercentage"] < 100
+    return leaves(tree["first"]) + leaves(tree["second"])
+
+
+def test_foxglove_layout_has_every_panel_once_and_resolves(log):
+    """The shape that Foxglove-compatible viewers ask for, and every path in it exists in the log."""
+    made = json.loads(foxglove_layout(LAYOUT, log))
+    assert made.keys() == {"configById", "globalVariables", "userNodes", "playbackConfig", "layout"}
+    panels = made["configById"]
+    tabs = panels[made["layout"]]["tabs"]
+    assert [tab["title"] for tab in tabs] == ["Approach", "About"]
+    shown = [name for tab in tabs for name in leaves(tab["layout"])]
+    assert sorted([*shown, made["layout"]]) == sorted(panels)
+    kinds = {Plot: "Plot", Scene: "3D", Text: "Markdown", EventLog: "RosOut"}
+    assert [name.split("!")[0] for name in shown] == [kinds[type(panel)] for panel in LAYOUT.panels()]
+    for name, config in panels.items():
+        for path in config.get("paths", []):
+            topic, field = path["value"].rsplit(".", 1)
+            assert field in log[topic].fields
+        for topic in config.get("topics", {}):
+            assert name.startswith("3D!")
+            assert log.kind(topic) == "scene"
+    values = [path["value"] for path in panels["Plot!plot2"]["paths"]]
+    assert {f"/bounds/{b}.{s}" for b in ("thrust_xy", "thrust_z") for s in ("lower", "upper")} <= set(values)
+
+
+def test_shares_become_percentages(log):
+    layout = one(Rows(plot(), plot(), plot(), shares=(2, 1, 1)))
+    panels = json.loads(foxglove_layout(layout, log))["configById"]
+    tree = panels["Tab!tab1"]["tabs"][0]["layout"]
+    assert tree["splitPercentage"] == 50.0  # 2 of 4
+    assert tree["second"]["splitPercentage"] == 50.0  # 1 of the remaining 2
+
+
+def luminance(colour):
+    """Relative luminance of WCAG 2.1, section 1.4.3."""
+    linear = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in (part / 255 for part in colour)]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+@pytest.mark.parametrize("name", list(ROLES))
+def test_colours_stand_out_from_their_ground(name):
+    """WCAG 2.1 (1.4.11) asks 3:1 of graphics: held on the dark ground; on paper pale estimates and orange give way."""
+    dark = (luminance(rgb(name)) + 0.05) / (luminance((20, 22, 26)) + 0.05)
+    light = 1.05 / (luminance(rgb(name, dark=False)) + 0.05)
+    assert dark >= 3.0
+    assert light >= (1.5 if name.endswith("estimate") else 2.2 if name == "thrust" else 2.5)
+
+
+def test_axes_look_apart_to_everyone():
+    """Distance of the three axes after simulated deuteranopia (Machado et al. 2009, severity 1) and in grey."""
+    matrix = ((0.367322, 0.860646, -0.227968), (0.280085, 0.672501, 0.047413), (-0.011820, 0.042940, 0.968881))
+    for dark in (True, False):
+        axes = [rgb(f"axis_{number}", dark=dark) for number in (1, 2, 3)]
+        seen = [[sum(m * c for m, c in zip(row, axis, strict=True)) for row in matrix] for axis in axes]
+        for one_axis in range(3):
+            for other in range(one_axis):
+                gap = sum((a - b) ** 2 for a, b in zip(seen[one_axis], seen[other], strict=True)) ** 0.5
+                assert gap > 60.0
+
+
+def test_an_unknown_role_lists_the_known_ones():
+    with pytest.raises(InputError, match="axis_1, axis_2"):
+        role("pink")
+
+
+def test_layout_is_frozen():
+    with pytest.raises(AttributeError):
+        LAYOUT.name = "other"
+    assert replace(LAYOUT, name="other").tabs == LAYOUT.tabs

@@ -1,0 +1,243 @@
+"""The files for viewers, made by the real Rerun command, and the commands around them."""
+
+import io
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from gainsay.errors import InputError, LogError
+from gainsay.logs import LogWriter, commands
+from gainsay.logs.demo import LAYOUT, write_demo
+from gainsay.logs.quiet import call, quiet, rerun_binary
+from gainsay.logs.render import NotCheckedError, empty, render
+from gainsay.logs.views import write_views
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory):
+    """A project root with two runs of a paper called demo; one has its views."""
+    root = tmp_path_factory.mktemp("root")
+    for run in ("spiral", "later"):
+        write_demo(root / f"results/demo/logs/{run}.mcap", samples=301)
+    write_views(root / "results/demo/logs/spiral.mcap", LAYOUT)
+    return root
+
+
+@pytest.fixture
+def rrd(root):
+    return root / "results/demo/logs/spiral.rrd"
+
+
+def test_usage_statistics_are_off_in_every_call():
+    assert json.loads(call("analytics", "config"))["analytics_enabled"] is False
+
+
+def test_the_environment_comes_back():
+    import os
+
+    before = dict(os.environ)
+    with quiet():
+        assert os.environ["XDG_CONFIG_HOME"] != before.get("XDG_CONFIG_HOME")
+    assert dict(os.environ) == before
+
+
+def test_one_file_holds_log_drawings_and_blueprint(rrd):
+    """Oracle: Rerun's own verifier and printer."""
+    call("rrd", "verify", str(rrd))
+    text = call("rrd", "print", str(rrd))
+    for entity in (
+        "/chaser/position",
+        "/bounds/thrust_xy",
+        "/events",
+        "/tf/chaser",
+        "/scene/path/line0",
+        "/text/about",
+    ):
+        assert f" - {entity}" in text
+    # The recording and the blueprint are of one application: that is what ties them together in the viewer.
+    stores = [" ".join(part.split(")")[0].split()) for part in text.split("StoreId(")[1:]]
+    assert set(stores) >= {'Recording, "gainsay_demo", "spiral",'}
+    assert {store.split(",")[0] for store in stores} == {"Blueprint", "Recording"}
+    assert all('"gainsay_demo"' in store for store in stores)
+    assert "/scene/path - " not in text  # the struct is left out where its drawing is in
+
+
+def test_a_layout_that_does_not_fit_writes_nothing(tmp_path):
+    with LogWriter(tmp_path / "a.mcap", provenance={}) as log:
+        log.signal("/a", {"x": "m"}, [0.0], [[1.0]])
+    with pytest.raises(LogError, match="layout demo"):
+        write_views(tmp_path / "a.mcap", LAYOUT)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.mcap"]
+
+
+def test_a_name_that_viewers_would_lose_is_refused(tmp_path):
+    write_demo(tmp_path / "run-1.mcap", samples=11)
+    with pytest.raises(InputError, match="run-1"):
+        write_views(tmp_path / "run-1.mcap", LAYOUT)
+
+
+def test_a_failing_call_says_so_in_one_line():
+    with pytest.raises(LogError, match="rerun rrd verify failed") as caught:
+        call("rrd", "verify", "nothing.rrd")
+    assert "\n" not in str(caught.value)
+
+
+def test_conformance_of_every_kind_of_topic(root):
+    """Oracle: Rerun's full check of an MCAP file; it names topics with problems."""
+    text = call("mcap", "check", "--full", str(root / "results/demo/logs/spiral.mcap"))
+    lines = [line for line in text.splitlines() if "/" in line and "mcap" not in line]
+    assert len(lines) == 17
+    assert all(line.startswith("ok") and line.rstrip().endswith("—") for line in lines)
+
+
+def test_list_is_plain_when_piped(root, capsys):
+    assert commands.list_logs(root) == 0
+    rows = [line.split("\t") for line in capsys.readouterr().out.splitlines()]
+    assert rows[0] == ["paper", "run", "duration [s]", "topics", "messages", "size [B]"]
+    assert [row[:4] for row in rows[1:]] == [["demo", "later", "3000", "17"], ["demo", "spiral", "3000", "17"]]
+    assert int(rows[1][5]) == (root / "results/demo/logs/later.mcap").stat().st_size
+
+
+@pytest.mark.parametrize(
+    ("paper", "run", "words"),
+    [("other", None, "no logs"), ("demo", "nominal", "one of later, spiral"), ("demo", "later", "not made yet")],
+)
+def test_view_refuses_what_is_not_there(root, paper, run, words):
+    with pytest.raises(InputError, match=words):
+        commands.view(root, paper, run)
+
+
+def test_view_opens_the_run_and_ends_its_own_child(root, monkeypatch, capsys):
+    """A stand-in for the viewer that tells its arguments and the switch it finds."""
+    script = root / "viewer"
+    script.write_text(f'#!/bin/sh\necho "$@" > {root}/seen\ncat $XDG_CONFIG_HOME/rerun/analytics.json >> {root}/seen\n')
+    script.chmod(0o755)
+    monkeypatch.setattr(commands, "rerun_binary", lambda: str(script))
+    assert commands.view(root, "demo", "spiral") == 0
+    seen = (root / "seen").read_text()
+    assert seen.startswith(str(root / "results/demo/logs/spiral.rrd"))
+    assert '"analytics_enabled": false' in seen
+    script.write_text("#!/bin/sh\nexit 7\n")
+    assert commands.view(root, "demo", "spiral", web=True) == 3
+    assert "ended with code 7" in capsys.readouterr().err
+
+
+def test_pictures_of_what_cannot_be_opened_are_not_checked(root, tmp_path, monkeypatch, capsys):
+    with pytest.raises(NotCheckedError, match="not checked: no file"):
+        render(tmp_path / "a.rrd", tmp_path / "a.png")
+
+    def broken():
+        raise LogError("the Rerun viewer is not installed")
+
+    monkeypatch.setattr("gainsay.logs.render.rerun_binary", broken)
+    assert commands.gallery(root, ["demo"]) == 3
+    assert capsys.readouterr().out.count("not checked: ") == 2
+
+
+def picture(paint):
+    from PIL import Image
+
+    image = np.full((300, 900, 3), (20, 22, 26), dtype=np.uint8)
+    paint(image)
+    stream = io.BytesIO()
+    Image.fromarray(image).save(stream, "PNG")
+    return stream.getvalue()
+
+
+def test_what_counts_as_empty():
+    def cursor(image):
+        image[:, 300:302] = 255  # time cursor
+        image[10:90, 760:880] = 200  # legend
+        image[-12:, ::3] = 200  # axis labels
+
+    def curve(image):
+        cursor(image)
+        image[150, 40:] = (61, 159, 224)
+
+    assert empty(picture(lambda image: None), "TimeSeries")
+    assert empty(picture(cursor), "TimeSeries")
+    assert not empty(picture(curve), "TimeSeries")
+    assert empty(picture(lambda image: None), "3D")
+    assert not empty(picture(lambda image: image.__setitem__((slice(100, 120), slice(100, 120)), 255)), "3D")
+
+
+@pytest.mark.slow
+def test_the_viewer_shows_every_view_of_the_demo(rrd, tmp_path):
+    found = viewer(rrd, tmp_path / "demo.png")
+    assert found.problems == []
+    assert sorted(found.views) == sorted(panel.title for panel in LAYOUT.panels())
+    assert [path.name for path in found.pictures] == ["demo.png", "demo_2.png"]
+
+
+@pytest.mark.slow
+def test_the_viewer_finds_empty_and_broken_views(root, tmp_path):
+    """The same run with a blueprint whose queries find nothing: every view must be called empty."""
+    code = """
+import sys
+from pathlib import Path
+import gainsay.logs.views as views, gainsay.logs.blueprint as made
+from gainsay.logs.demo import LAYOUT
+for name in ("TimeSeriesView", "Spatial3DView", "TextLogView", "TextDocumentView"):
+    kind = getattr(made.rrb, name)
+    def nothing(kind=kind, **keywords):
+        keywords.pop("overrides", None)
+        keywords.pop("contents", None)
+        return kind(**(keywords | {"origin": "/nothing"}))
+    setattr(made.rrb, name, nothing)
+views.write_views(Path(sys.argv[1]), LAYOUT)
+"""
+    mcap = write_demo(tmp_path / "nothing.mcap", samples=101)
+    subprocess.run([sys.executable, "-c", code, str(mcap)], check=True)
+    found = viewer(tmp_path / "nothing.rrd", tmp_path / "nothing.png")
+    assert {problem for problem in found.problems if problem.endswith(": empty")} == {
+        f"nothing: {panel.title}: empty" for panel in LAYOUT.panels()
+    }
+
+
+def viewer(rrd, png):
+    try:
+        return render(rrd, png)
+    except NotCheckedError as error:
+        pytest.skip(str(error))
+
+
+@pytest.mark.slow
+def test_without_a_graphics_driver_it_says_not_checked(rrd, tmp_path, monkeypatch):
+    for name in ("VK_DRIVER_FILES", "VK_ICD_FILENAMES"):
+        monkeypatch.setenv(name, "/nowhere.json")
+    monkeypatch.setenv("WGPU_BACKEND", "vulkan")
+    with pytest.raises(NotCheckedError, match=r"not checked: spiral\.rrd: "):
+        render(rrd, tmp_path / "a.png")
+
+
+@pytest.mark.slow
+def test_no_viewer_is_left_running(rrd, tmp_path):
+    import psutil
+
+    viewer(rrd, tmp_path / "a.png")
+    binary = rerun_binary()
+    mine = [child for child in psutil.Process().children(recursive=True) if binary in " ".join(child.cmdline())]
+    assert mine == []
+
+
+@pytest.mark.slow
+def test_ten_million_doubles_in_bounded_memory(tmp_path):
+    """The whole process stays under 300 MB, interpreter included, while 80 MB of doubles stream through it."""
+    code = """
+import resource, sys
+import numpy as np
+from gainsay.logs import LogWriter
+random = np.random.default_rng(0)
+fields = {f"c{number}": "1" for number in range(10)}
+with LogWriter(sys.argv[1], provenance={}) as log:
+    for block in range(100):
+        log.signal("/a", fields, 100.0 * block + 0.01 * np.arange(10000), random.normal(size=(10000, 10)))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+    path = str(tmp_path / "big.mcap")
+    done = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 300 * 1024
+    call("mcap", "check", "--full", path)
