@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+
 from gainsay.tables import Case, read_case
 
 TOY = {

@@ -2,10 +2,11 @@ from decimal import Decimal
 from fractions import Fraction
 
 import pytest
-from gainsay.errors import InputError
-from gainsay.exact.digits import PrintedNumber
 from hypothesis import given
 from hypothesis import strategies as st
+
+from gainsay.errors import InputError
+from gainsay.exact.digits import PrintedNumber
 
 SIGNS = st.sampled_from(["", "+", "-"])
 DIGITS = st.text("0123456789", min_size=1, max_size=12)

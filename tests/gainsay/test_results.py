@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 import pytest
+
 from gainsay.errors import CertificateError, ComputationError, InputError, LogError
 from gainsay.tables.results import Designs, Results, read_design, read_part, run_tasks, task
 

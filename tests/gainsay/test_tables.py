@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from gainsay.errors import InputError
 from gainsay.tables import find_root, paper_names, read_case
 from gainsay.tables.docs import documents
 from gainsay.tables.files import cell, read_csv, write_atomically, write_csv, write_json
 from gainsay.tables.units import UNITS, to_si
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -148,7 +149,7 @@ def test_a_missing_empty_or_undecodable_table_is_named(project, name):
 def test_an_unknown_paper_and_a_folder_outside_any_project(project, tmp_path):
     assert paper_names(project.root) == ["toy"]
     for name in ("none", "../papers/toy", ""):
-        with pytest.raises(InputError, match="unknown paper.*toy"):
+        with pytest.raises(InputError, match=r"unknown paper.*toy"):
             read_case(project.root, name)
     assert find_root(project.root / "papers" / "toy") == project.root
     with pytest.raises(InputError, match="not inside a project"):

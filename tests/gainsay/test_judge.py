@@ -1,0 +1,321 @@
+import math
+from fractions import Fraction
+from typing import get_args
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gainsay.exact.digits import PrintedNumber
+from gainsay.tables.lint import PROVED
+from gainsay.tables.models import VERDICTS, Claim, Kind, Quantity
+from gainsay.verdicts.evidence import Concluded, Evidence, Found
+from gainsay.verdicts.judge import SEVERITY, judge
+
+SAMPLED = sorted(set(get_args(Kind)) - PROVED - {"remark"})
+
+
+class Tables:
+    """What judging needs of a case: the declared quantities."""
+
+    quantities = {
+        name: Quantity(id=name, unit=unit, step="audit", meaning="m")
+        for name, unit in (("q", "m"), ("other", "m"), ("angle", "rad"), ("flag", "1"))
+    }
+
+
+def claim(comparator="equal", published="1.50", kind="parameter", **more) -> Claim:
+    row = {"id": "c", "where": "(1)", "kind": kind, "statement": "s", "comparator": comparator, "quantity": "q",
+           "published": published, "unit": "m", "tolerance": "", "expected": "reproduced", "basis": "b", "note": ""}  # fmt: skip
+    return Claim(**{**row, **more})
+
+
+def found(value, lower=None, upper=None) -> Found:
+    return Found(value, lower, upper, "m", "s")
+
+
+def at_most(value, certificate="cert") -> Concluded:
+    return Concluded("at_most", None, Fraction(value), certificate, "theorem")
+
+
+def at_least(value, certificate="cert") -> Concluded:
+    return Concluded("at_least", Fraction(value), None, certificate, "theorem")
+
+
+def says(relation, certificate="cert") -> Concluded:
+    return Concluded(relation, None, None, certificate, "theorem")
+
+
+def evidence(*concluded, value=None, other=None, quantity="q", **more) -> Evidence:
+    numbers = {quantity: value} if value is not None else {}
+    if other is not None:
+        numbers["other"] = other
+    return Evidence(
+        found=numbers, concluded={quantity: list(concluded)} if concluded else {},
+        certificates={c.certificate: "a sentence" for c in concluded}, **more,
+    )  # fmt: skip
+
+
+def verdict(of: Claim, on: Evidence) -> str:
+    return judge(Tables(), of, on, {}).verdict
+
+
+# --- what is printed against what is computed -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    # 1.50 is printed to 0.01: what rounds to it lies in 1.495 .. 1.505
+    [
+        (1.5, "reproduced"),
+        (1.4951, "reproduced"),
+        (1.5049, "reproduced"),
+        (1.4949, "contradicted"),
+        (1.51, "contradicted"),
+    ],
+)
+def test_equal_means_within_half_a_unit_of_the_last_printed_digit(value, expected):
+    assert verdict(claim(), evidence(value=found(value))) == expected
+
+
+def test_an_enclosure_across_the_edge_decides_nothing():
+    judged = judge(Tables(), claim(), evidence(value=found(1.5, 1.49, 1.5)), {})
+    assert judged.verdict == "failed"
+    assert (judged.range_low, judged.range_high) == (1.49, 1.5)
+
+
+@pytest.mark.parametrize(
+    ("comparator", "published", "value", "expected"),
+    [
+        ("at_most", "2", 2.0, "reproduced"), ("at_most", "2", 2.0000001, "contradicted"),
+        ("at_least", "2", 2.0, "reproduced"), ("at_least", "2", 1.9999999, "contradicted"),
+        ("inside", "1..2", 1.0, "reproduced"), ("inside", "1..2", 2.0, "reproduced"),
+        ("inside", "1..2", 0.999, "contradicted"), ("inside", "-2..-1", -1.5, "reproduced"),
+    ],
+)  # fmt: skip
+def test_bounds_get_no_tolerance_from_their_digits(comparator, published, value, expected):
+    assert verdict(claim(comparator, published), evidence(value=found(value))) == expected
+
+
+def test_a_stated_tolerance_replaces_that_of_the_digits_and_is_in_the_claims_unit():
+    on = evidence(value=found(1540.0))
+    # 1.50 km +- 0.05 km holds 1540 m; its digits alone, +- 5 m, do not
+    assert verdict(claim(unit="km", tolerance="0.05"), on) == "reproduced"
+    assert verdict(claim(unit="km"), on) == "contradicted"
+    judged = judge(Tables(), claim(unit="km", tolerance="0.05"), on, {})
+    assert (judged.recomputed, judged.tolerance) == (1.54, 0.05)
+
+
+def test_units_are_converted_before_comparing():
+    on = evidence(value=found(math.pi), quantity="angle")
+    assert verdict(claim(published="180.0", unit="deg", quantity="angle"), on) == "reproduced"
+    assert verdict(claim(published="3.1", unit="rad", quantity="angle"), on) == "reproduced"
+    assert verdict(claim(published="180.0", unit="rad", quantity="angle"), on) == "contradicted"
+
+
+def test_a_contradiction_carries_its_witness():
+    judged = judge(Tables(), claim(), evidence(value=found(2.0)), {})
+    assert judged.witness == "q = 2.0 m"
+    judged = judge(Tables(), claim("at_most", "1", "norm-bound"), evidence(at_least(2)), {})
+    assert judged.verdict == "contradicted"
+    assert "2.0" in judged.witness
+    judged = judge(Tables(), claim("feasible", "", "feasibility"), evidence(says("fails")), {})
+    assert (judged.verdict, judged.witness) == ("contradicted", "a sentence")
+
+
+def test_a_trajectory_without_an_error_bound_has_no_verdict():
+    of = claim("at_most", "40", "trajectory")
+    assert verdict(of, evidence(value=found(1.0))) == "failed"
+    assert verdict(of, evidence(value=found(1.0, 0.9))) == "failed"
+    assert verdict(of, evidence(value=found(1.0, 0.9, 1.1))) == "reproduced"
+    assert verdict(of, evidence(value=found(40.0, 39.9, 40.1))) == "failed"
+
+
+# --- proofs ---------------------------------------------------------------------------------------------------------
+
+
+@given(
+    st.sampled_from(sorted(PROVED)),
+    st.sampled_from([("equal", "1"), ("at_most", "1"), ("at_least", "1"), ("inside", "0..1"), ("feasible", ""),
+                     ("infeasible", ""), ("less_than", "other")]),
+    st.sampled_from([0.0, 0.5, 1.0, 2.0]),
+)  # fmt: skip
+def test_a_kind_that_needs_proof_gets_no_verdict_from_numbers_alone(kind, compared, value):
+    # Law of the design: only an accepted certificate decides.
+    on = evidence(value=found(value, value, value), other=found(5.0, 5.0, 5.0))
+    assert verdict(claim(*compared, kind), on) == "failed"
+
+
+@given(st.sampled_from(sorted(PROVED)), st.sampled_from(["holds", "depends", "fails"]))
+def test_samples_never_prove(kind, outcome):
+    scans = {"c": {"quantity": "q", "outcome": outcome, "samples": 10**6, "witness": "w", "note": "n"}}
+    expected = "undetermined" if outcome == "depends" else "failed"
+    assert verdict(claim("at_most", "1", kind), evidence(value=found(0.5), scans=scans)) == expected
+
+
+@pytest.mark.parametrize(
+    ("comparator", "published", "said", "expected"),
+    [
+        ("feasible", "", "holds", "reproduced"), ("feasible", "", "fails", "contradicted"),
+        ("infeasible", "", "holds", "contradicted"), ("infeasible", "", "fails", "reproduced"),
+        ("equal", "1", "holds", "reproduced"), ("equal", "1", "fails", "contradicted"),
+        ("equal", "0", "holds", "contradicted"), ("equal", "0", "fails", "reproduced"),
+        ("equal", "24", "fails", "failed"), ("equal", "2", "holds", "failed"), ("equal", "0.5", "fails", "failed"),
+        ("at_most", "1", "holds", "failed"), ("at_least", "1", "fails", "failed"), ("inside", "0..1", "holds", "failed"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("kind", ["identity", "feasibility", "stability"])
+def test_what_holds_or_fails(kind, comparator, published, said, expected):
+    assert verdict(claim(comparator, published, kind), evidence(says(said))) == expected
+
+
+def test_proved_numbers():
+    of = claim("at_most", "2", "norm-bound")
+    assert verdict(of, evidence(at_most(2))) == "reproduced"
+    assert verdict(of, evidence(at_most("2.0001"))) == "failed"  # proves a bound, but not this one
+    assert verdict(of, evidence(at_least("2.0001"))) == "contradicted"
+    assert verdict(of, evidence(at_least(2))) == "failed"
+    equal = claim("equal", "1.50", "norm-bound")
+    assert verdict(equal, evidence(at_least("1.499"), at_most("1.501"))) == "reproduced"
+    assert verdict(equal, evidence(at_most("1.501"))) == "failed"
+    judged = judge(Tables(), of, evidence(at_most(5, "loose"), at_most(1, "tight")), {})
+    assert (judged.verdict, judged.certificate, judged.range_high) == ("reproduced", "tight", 1.0)
+
+
+def test_a_bound_proved_about_another_quantity_counts_for_nothing():
+    assert verdict(claim("at_most", "2", "norm-bound"), evidence(at_most(1), quantity="other")) == "failed"
+
+
+# --- evidence that contradicts itself -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["norm-bound", "parameter"])
+@pytest.mark.parametrize(
+    ("comparator", "published"), [("at_most", "6"), ("at_least", "1"), ("inside", "0..9"), ("equal", "5")]
+)
+def test_proofs_that_exclude_each_other_decide_nothing(kind, comparator, published):
+    assert verdict(claim(comparator, published, kind), evidence(at_least(6), at_most(4))) == "failed"
+    both = evidence(says("holds", "a"), says("fails", "b"))
+    assert verdict(claim("feasible", "", "feasibility"), both) == "failed"
+
+
+@pytest.mark.parametrize("kind", ["norm-bound", "parameter", "ordering"])
+def test_a_number_outside_what_was_proved_of_it_decides_nothing(kind):
+    # Proved at least 10, computed as 1: one of the two is wrong, so `at most 5` must not come out as anything.
+    assert verdict(claim("at_most", "5", kind), evidence(at_least(10), value=found(1.0))) == "failed"
+    assert verdict(claim("at_most", "5", kind), evidence(at_most(3), value=found(4.0))) == "failed"
+    assert verdict(claim("at_most", "5", kind), evidence(at_most(3), value=found(4.0, 2.9, 4.5))) == "reproduced"
+    assert verdict(claim("at_most", "5", kind), evidence(at_most(3), value=found(3.0 + 1e-12))) == "reproduced"
+
+
+def test_a_computed_truth_value_that_the_certificate_denies():
+    of = claim("equal", "1", "identity", quantity="flag", unit="1")
+    assert verdict(of, evidence(says("holds"), value=found(0.0), quantity="flag")) == "failed"
+    assert verdict(of, evidence(says("holds"), value=found(1.0), quantity="flag")) == "reproduced"
+
+
+# --- order, scans, joined claims, remarks ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("value", "other", "expected"),
+    [
+        (found(1.0), found(2.0), "reproduced"), (found(2.0), found(2.0), "contradicted"),
+        (found(3.0), found(2.0), "contradicted"), (found(1.0, 0.5, 1.5), found(1.6, 1.4, 1.8), "failed"),
+        (found(1.0), None, "failed"), (None, found(1.0), "failed"),
+    ],
+)  # fmt: skip
+def test_less_than_is_strict_and_needs_both(value, other, expected):
+    assert verdict(claim("less_than", "other", "ordering"), evidence(value=value, other=other)) == expected
+
+
+def test_proved_order():
+    of = claim("less_than", "other", "norm-bound")
+    on = Evidence(concluded={"q": [at_most(1)], "other": [at_least(2)]}, certificates={"cert": "s"})
+    assert verdict(of, on) == "reproduced"
+    on.concluded["other"] = [at_least(1)]
+    assert verdict(of, on) == "failed"
+    on.concluded["other"] = [at_least(2), at_most("1.5")]
+    assert verdict(of, on) == "failed"
+
+
+@pytest.mark.parametrize("kind", SAMPLED)
+def test_a_scan_decides_over_the_plausible_inputs(kind):
+    base = {"quantity": "q", "samples": 256, "witness": "w", "note": "n", "smallest": 1.0, "largest": math.inf}
+    for outcome, expected in (("holds", "reproduced"), ("fails", "contradicted"), ("depends", "undetermined")):
+        on = evidence(value=found(1.5, 1.5, 1.5), scans={"c": {**base, "outcome": outcome}})
+        judged = judge(Tables(), claim(kind=kind), on, {})
+        assert (judged.verdict, judged.range_low, judged.range_high) == (expected, 1.0, None)
+        on.scans["c"]["quantity"] = "other"
+        assert verdict(claim(kind=kind), on) == "failed"
+
+
+@given(st.lists(st.sampled_from(VERDICTS), min_size=1, max_size=6), st.randoms())
+def test_joined_claims_are_as_bad_as_the_worst(verdicts, random):
+    names = {f"p{i}": v for i, v in enumerate(verdicts)}
+    of = claim("all_of", "", quantity=" ".join(names))
+    joined = judge(Tables(), of, Evidence(), names).verdict
+    # By definition of the order: no part is worse, and one is as bad.
+    assert joined in verdicts
+    assert all(SEVERITY.index(joined) <= SEVERITY.index(v) for v in verdicts)
+    assert (joined == "reproduced") == (set(verdicts) == {"reproduced"})
+    shuffled = list(names)
+    random.shuffle(shuffled)
+    assert judge(Tables(), replace_quantity(of, shuffled), Evidence(), names).verdict == joined
+
+
+def replace_quantity(of: Claim, names: list[str]) -> Claim:
+    return of.model_copy(update={"quantity": " ".join(names)})
+
+
+def test_a_remark_is_uncheckable_whatever_was_computed():
+    assert verdict(claim("", "", "remark"), evidence(at_most(1), value=found(1.0))) == "uncheckable"
+
+
+def test_what_was_not_computed_has_failed_and_says_why():
+    on = Evidence(failures=[{"step": "audit", "where": "(3)", "task": "t", "message": "broke"}])
+    judged = judge(Tables(), claim(), on, {})
+    assert judged.verdict == "failed"
+    assert "(3): broke" in judged.note
+    assert judge(Tables(), claim(), Evidence(), {}).note.startswith("the step audit did not compute q")
+
+
+# --- laws -----------------------------------------------------------------------------------------------------------
+
+NUMBERS = st.floats(-100, 100).map(lambda x: round(x, 3))
+
+
+@given(
+    st.sampled_from(["equal", "at_most", "at_least"]), NUMBERS, NUMBERS, st.floats(0, 10), st.floats(0, 10), NUMBERS,
+    st.sampled_from(SAMPLED),
+)  # fmt: skip
+@settings(max_examples=300)
+def test_widening_the_tolerance_never_turns_reproduced_into_anything_else(
+    comparator, published, value, a, b, width, kind
+):
+    small, large = sorted(PrintedNumber(f"{x:.6f}").value for x in (a, b))
+    on = evidence(value=found(value, value - abs(width) / 100, value + abs(width) / 100))
+    texts = [f"{float(x):.6f}" for x in (small, large)]
+    narrow, wide = (verdict(claim(comparator, f"{published:.3f}", kind, tolerance=t), on) for t in texts)
+    rank = {"contradicted": 0, "failed": 1, "reproduced": 2}
+    assert rank[wide] >= rank[narrow]
+
+
+@given(NUMBERS, NUMBERS, st.floats(0, 5), st.floats(0, 5), st.sampled_from(["equal", "at_most", "at_least"]))
+@settings(max_examples=300)
+def test_narrowing_the_enclosure_never_reverses_a_verdict(published, value, inner, outer, comparator):
+    # Law of intervals: what holds for all of a set holds for all of a part of it.
+    inner, outer = sorted((inner, outer))
+    of = claim(comparator, f"{published:.3f}")
+    wide = verdict(of, evidence(value=found(value, value - outer, value + outer)))
+    narrow = verdict(of, evidence(value=found(value, value - inner, value + inner)))
+    assert wide in ("failed", narrow)
+
+
+@given(NUMBERS, NUMBERS)
+def test_at_most_and_at_least_exclude_each_other_off_the_bound(published, value):
+    on = evidence(value=found(value))
+    both = {verdict(claim(c, f"{published:.3f}"), on) for c in ("at_most", "at_least")}
+    assert both == (
+        {"reproduced"} if Fraction(value) == PrintedNumber(f"{published:.3f}").value else {"reproduced", "contradicted"}
+    )
