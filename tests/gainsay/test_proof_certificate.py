@@ -3,13 +3,15 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gainsay.errors import CertificateError
-from gainsay.proof import Certificate, Conclusion, MappingTables, build, check
+from gainsay.proof import Certificate, Conclusion, MappingTables, build, check, check_file
+from gainsay.tables import read_case
 
 CLAIM = {"where": "(1)", "kind": "stability", "statement": "The loop is stable.", "quantity": "loop.abscissa"}
 
@@ -252,3 +254,69 @@ def test_importing_the_package_imports_nothing_heavy():
     code = "import sys, gainsay.proof; print(sorted({'flint', 'numpy', 'scipy', 'cvxpy'} & set(sys.modules)))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
+
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def factorisation(case, **parts):
+    """Identity (3) of wan2014, Delta A = E1 Lambda E2, for every e, n, sin M and cos M."""
+    return build.certificate(
+        "identity",
+        **{
+            "id": "factorisation",
+            "paper": "wan2014",
+            "statement": "Delta A of (2) factors as (3) says.",
+            "tables": case,
+            "unknowns": {"e": {}, "n": {}, "s": {}, "c": {}},
+            "definitions": {
+                "E1": "e*printed('E1_over_e')",
+                "E2": "[[n**2,0,0,0,0,0],[0,n**2,0,0,0,0],[2.5*n**2,0,n**2,0,n,0],[0,0.25*n**2,0,-n,0,0],"
+                "[0,0,n**2,0,0,0],[0,0,0,0,0,n**2]]",
+                "lower": "[[10*e*n**2*c, -2*e*n**2*s, 0, 0, 4*e*n*c, 0],"
+                "[2*e*n**2*s, e*n**2*c, 0, -4*e*n*c, 0, 0], [0, 0, -3*e*n**2*c, 0, 0, 0]]",
+            },
+            "fields": {"left": "col(zeros(3, 6), lower)", "right": "E1@diag(s, -s, c, c, -0.5*c, c)@E2"},
+            **parts,
+        },
+    )
+
+
+def test_a_file_is_checked_against_the_tables_of_its_paper(tmp_path):
+    case = read_case(ROOT, "wan2014")
+    certificate = factorisation(case)
+    path = tmp_path / "factorisation.json"
+    certificate.write(path)
+    assert check_file(path, ROOT).proved[0].relation == "holds"
+    other = tmp_path / "renamed.json"
+    other.write_text(certificate.to_json())
+    with pytest.raises(CertificateError, match="holds the certificate 'factorisation'"):
+        check_file(other, ROOT)
+    with pytest.raises(CertificateError, match="not readable"):
+        check_file(tmp_path / "missing.json", ROOT)
+    certificate.changed(data={"printed": {"E1_over_e": [["0"]]}}).write(path)
+    with pytest.raises(CertificateError, match="E1_over_e"):
+        check_file(path, ROOT)
+    with pytest.raises(CertificateError, match="nothing"):
+        factorisation(case, definitions={"E1": "printed('nothing')"})
+    with pytest.raises(CertificateError, match="checked against the tables of 'wan2014'"):
+        factorisation(case, paper="other")
+    with pytest.raises(CertificateError, match="not declared"):
+        factorisation(case, quantities={"identity": "no.such.quantity"})
+
+
+def test_checking_a_file_imports_no_solver_and_no_paper(tmp_path):
+    path = tmp_path / "factorisation.json"
+    factorisation(read_case(ROOT, "wan2014")).write(path)
+    code = (
+        "import sys; from pathlib import Path; from gainsay.proof import check_file;"
+        "check_file(Path(sys.argv[1]), Path(sys.argv[2]));"
+        "print(sorted({'cvxpy', 'clarabel', 'scipy', 'papers'} & {m.split('.')[0] for m in sys.modules}))"
+    )
+    run = subprocess.run([sys.executable, "-c", code, path, ROOT], capture_output=True, text=True, check=False)
+    assert run.stdout.strip() == "[]", run.stderr
+
+
+def test_a_claim_needs_a_conclusion_on_its_quantity():
+    with pytest.raises(CertificateError, match=r"about 'loop\.abscissa'"):
+        build.finish(example().changed(conclusions=()), tables())

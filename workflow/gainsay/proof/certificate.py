@@ -7,7 +7,7 @@ Format, version 1 (keys sorted, two spaces, UTF-8, a final newline; the same cer
 ``version``     1
 ``id, paper``   the certificate's own id, and the paper's folder name
 ``claims``      ids of the claims that it bears on
-``statement``   one sentence
+``statement``   one sentence for people; that it says what the conclusions say stays on faith
 ``kind``        the kind of proof: a module of `gainsay.proof.kinds`, whose docstring states the theorem
 ``precision``   bits of the balls
 ``definitions`` list of [name, formula], each over the tables, the unknowns and the names before it

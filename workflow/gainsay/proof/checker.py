@@ -16,7 +16,7 @@ from gainsay.exact.rational import exact
 from gainsay.proof import kinds
 from gainsay.proof.certificate import FORMULAS_ON_FAITH, Certificate, Conclusion
 from gainsay.proof.kinds import Proved
-from gainsay.proof.scope import Scope, Tables
+from gainsay.proof.scope import CaseTables, Scope, adapted
 
 __all__ = ["CaseTables", "Proof", "check", "check_file", "prepare", "proved"]
 
@@ -52,40 +52,6 @@ class Proof:
     faith: tuple[str, ...]
 
 
-class CaseTables:
-    """A paper's tables and designs as the checker reads them."""
-
-    def __init__(self, case: Any) -> None:
-        self.case = case
-
-    def exact(self, name: str) -> Fraction:
-        """Parameter in SI."""
-        return self.case.exact(name)
-
-    def printed(self, name: str) -> Any:
-        """Printed matrix."""
-        return self.case.printed(name)
-
-    def design(self, name: str, entry: str) -> Any:
-        """Rows of a design's matrix."""
-        from gainsay.tables.results import read_design
-
-        return read_design(self.case.root, self.case.name, name)[entry]
-
-    def claim(self, name: str) -> dict[str, str]:
-        """Columns of a claim."""
-        row = self.case.claims[name]
-        return row if isinstance(row, dict) else row.model_dump(mode="json")
-
-    def has_quantity(self, name: str) -> bool:
-        """Whether the quantity is declared."""
-        return name in self.case.quantities
-
-
-def _adapted(tables: Any) -> Tables:
-    return CaseTables(tables) if hasattr(tables, "quantities") and hasattr(tables, "claims") else tables
-
-
 def prepare(certificate: Certificate, tables: Any) -> tuple[Scope, Any]:
     """Scope of a certificate and the module of its kind, its fields checked by name."""
     try:
@@ -98,7 +64,7 @@ def prepare(certificate: Certificate, tables: Any) -> tuple[Scope, Any]:
     for name in certificate.fields:
         if name not in (*kind.REQUIRED, *kind.OPTIONAL):
             raise CertificateError(f"{certificate.id}: unknown field {name!r} of kind {certificate.kind}")
-    return Scope(certificate, _adapted(tables)), kind
+    return Scope(certificate, tables), kind
 
 
 def proved(certificate: Certificate, tables: Any) -> tuple[list[Proved], dict[str, Any]]:
@@ -159,6 +125,19 @@ def _complete(stored: dict[str, Any], read: dict[str, Any], owner: str) -> None:
                 raise CertificateError(f"{owner}: data hold {group} {name!r}, which no formula reads")
 
 
+def _about_claims(certificate: Certificate) -> None:
+    """Refuse a certificate that names a claim and concludes nothing about its quantity."""
+    concluded = {conclusion.quantity for conclusion in certificate.conclusions}
+    for claim, row in certificate.data.get("claims", {}).items():
+        about = {row.get("quantity", "")} | (
+            {row.get("published", "")} if row.get("comparator") == "less_than" else set()
+        )
+        if row.get("comparator") != "all_of" and row.get("quantity") and not about & concluded:
+            raise CertificateError(
+                f"{certificate.id}: claim {claim!r} is about {row['quantity']!r}, on which it concludes nothing"
+            )
+
+
 def implied(found: Sequence[Proved], conclusion: Conclusion) -> bool:
     """Whether what was proved implies a conclusion."""
     about = [p for p in found if p.of == conclusion.of]
@@ -215,10 +194,15 @@ def check(certificate: Certificate, tables: Any) -> Proof:
         In one line, with the certificate's id, what does not match or is not proved.
     """
     owner = certificate.id
+    paper = getattr(tables, "name", certificate.paper)
+    if paper != certificate.paper:
+        raise CertificateError(
+            f"{owner}: a certificate of {certificate.paper!r}, checked against the tables of {paper!r}"
+        )
     _same_data(certificate, tables)
     found, read = proved(certificate, tables)
     _complete(dict(certificate.data), read, owner)
-    reader = _adapted(tables)
+    reader = adapted(tables)
     for conclusion in certificate.conclusions:
         try:
             follows = implied(found, conclusion)
@@ -232,6 +216,7 @@ def check(certificate: Certificate, tables: Any) -> Proof:
             )
         if hasattr(reader, "has_quantity") and not reader.has_quantity(conclusion.quantity):
             raise CertificateError(f"{owner}: quantity {conclusion.quantity!r} is not declared in quantities.csv")
+    _about_claims(certificate)
     faith = tuple(dict.fromkeys((FORMULAS_ON_FAITH, *certificate.faith)))
     return Proof(
         id=owner,

@@ -13,7 +13,7 @@ from gainsay.exact.rational import exact, rational_matrix, to_text
 from gainsay.proof import formulas
 from gainsay.proof.certificate import Certificate
 
-__all__ = ["MappingTables", "Reader", "Scope", "Tables"]
+__all__ = ["CaseTables", "MappingTables", "Reader", "Scope", "Tables", "adapted"]
 
 _CLAIM_COLUMNS = ("where", "kind", "statement", "comparator", "quantity", "published", "unit")
 STRUCTURES = ("symmetric", "full", "diagonal", "skew")
@@ -85,18 +85,53 @@ class MappingTables:
         return None if self._claims is None else self._claims[name]
 
 
+class CaseTables:
+    """A paper's tables and designs as the checker reads them."""
+
+    def __init__(self, case: Any) -> None:
+        self.case = case
+
+    def exact(self, name: str) -> Fraction:
+        """Parameter in SI."""
+        return self.case.exact(name)
+
+    def printed(self, name: str) -> Any:
+        """Printed matrix."""
+        return self.case.printed(name)
+
+    def design(self, name: str, entry: str) -> Any:
+        """Rows of a design's matrix."""
+        from gainsay.tables.results import read_design
+
+        return read_design(self.case.root, self.case.name, name)[entry]
+
+    def claim(self, name: str) -> dict[str, str]:
+        """Columns of a claim."""
+        row = self.case.claims[name]
+        return row if isinstance(row, dict) else row.model_dump(mode="json")
+
+    def has_quantity(self, name: str) -> bool:
+        """Whether the quantity is declared."""
+        return name in self.case.quantities
+
+
+def adapted(tables: Any) -> Tables:
+    """Tables as formulas read them, of a case or of what is such tables already."""
+    return CaseTables(tables) if hasattr(tables, "quantities") and hasattr(tables, "claims") else tables
+
+
 class Reader:
     """Reads tables for formulas and records every value read, as text."""
 
     def __init__(self, tables: Tables, owner: str) -> None:
-        self.tables, self.owner = tables, owner
+        self.tables, self.owner = adapted(tables), owner
         self.data: dict[str, dict[str, Any]] = {}
 
     def _read(self, what: str, name: str, read: Any) -> Any:
         try:
             return read()
-        except GainsayError:
-            raise
+        except GainsayError as error:
+            raise CertificateError(f"{self.owner}: {what} {name!r}: {error}") from error
         except (KeyError, LookupError, AttributeError, TypeError, ValueError, OSError) as error:
             raise CertificateError(f"{self.owner}: the tables have no {what} {name!r} that can be read") from error
 
