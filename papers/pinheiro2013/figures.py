@@ -1,0 +1,107 @@
+"""Figures 6 to 14 of pinheiro2013, drawn from the logs in the paper's colours and line styles.
+
+Blue: gamma = 0.2, which the paper calls pure H-infinity; black: gamma = 2; red: gamma = 100, called pure H2. Solid:
+nominal plant; dashed: plants with uncertainty. Axes and scales of the paper's pictures are lost.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from gainsay.figures import FigureSpec, bound, finish, panels
+from gainsay.logs import Log
+
+COLOURS = {"hinf": "#0055a4", "mixed": "#1f1f1f", "h2": "#c0261b"}
+LABELS = {
+    "hinf": r"$\gamma = 0.2$ (pure $H_\infty$)",
+    "mixed": r"$\gamma = 2$ (mixed)",
+    "h2": r"$\gamma = 100$ (pure $H_2$)",
+}
+NAMES = {"roll": "x", "pitch": "y", "yaw": "z"}
+DEGREES = 180 / np.pi
+
+
+def _curve(panel, signal, field: str, design: str, factor: float, *, dashed: bool = False, label: str = "") -> None:
+    panel.plot(
+        signal.time, factor * signal.column(field), color=COLOURS[design], linewidth=0.9 if dashed else 1.3,
+        linestyle=(0, (4, 2)) if dashed else "solid", label=label or None,
+    )  # fmt: skip
+
+
+def uncertainty(name: str, designs: tuple[str, ...]):
+    """Return the drawing of an angle with and without uncertainty, one panel a reconstruction."""
+
+    def draw(figure: Figure, logs: Mapping[str, Log], case) -> None:
+        grid = panels(figure, [f"{name.capitalize()} angle [deg], reconstruction {r}" for r in "AB"], columns=2)
+        for panel, r in zip(grid, "ab", strict=True):
+            for design in designs:
+                log = logs[f"{r}_{design}_release"]
+                _curve(panel, log["/nominal/angles"], name, design, DEGREES, label=LABELS[design])
+                for k in (1, 2):
+                    _curve(panel, log[f"/plant_{k}/angles"], name, design, DEGREES, dashed=True)
+            panel.plot([], [], color="#666666", linewidth=0.9, linestyle=(0, (4, 2)), label="with uncertainty")
+            finish(panel)
+
+    return draw
+
+
+def control(name: str):
+    """Return the drawing of a control torque, one panel a reconstruction, with the wheel's limit."""
+
+    def draw(figure: Figure, logs: Mapping[str, Log], case) -> None:
+        grid = panels(figure, [f"Control torque, {name} [N m], reconstruction {r}" for r in "AB"], columns=2)
+        for panel, r in zip(grid, "ab", strict=True):
+            for design in COLOURS:
+                log = logs[f"{r}_{design}_release"]
+                _curve(panel, log["/nominal/torque"], NAMES[name], design, 1.0, label=LABELS[design])
+            bound(panel, case.number("wheel_torque"), "wheel of Table 2")
+            panel.set_xlim(0, 60)
+            finish(panel)
+
+    return draw
+
+
+def external(name: str):
+    """Return the drawing of an angle under the torques (25), one panel a reconstruction."""
+
+    def draw(figure: Figure, logs: Mapping[str, Log], case) -> None:
+        grid = panels(figure, [f"{name.capitalize()} angle [deg], reconstruction {r}" for r in "AB"], columns=2)
+        for panel, r in zip(grid, "ab", strict=True):
+            for design in ("h2", "mixed", "hinf"):
+                log = logs[f"{r}_{design}_disturbed"]
+                _curve(panel, log["/nominal/angles"], name, design, DEGREES, label=LABELS[design])
+            finish(panel)
+
+    return draw
+
+
+def _runs(kind: str, designs: tuple[str, ...] = tuple(COLOURS)) -> tuple[str, ...]:
+    return tuple(f"{r}_{design}_{kind}" for r in "ab" for design in designs)
+
+
+_EXTREMES = ("hinf", "h2")
+FIGURES = (
+    *(
+        FigureSpec(
+            f"figure_{number}", _runs("release", _EXTREMES),
+            f"Figure {number}: {name} angle with uncertainty of the inertia (dashed) and without.",
+            uncertainty(name, _EXTREMES), 3.2,
+        )
+        for number, name in enumerate(NAMES, start=6)
+    ),
+    *(
+        FigureSpec(
+            f"figure_{number}", _runs("release"),
+            f"Figure {number}: control torque of the {name} axis.", control(name), 3.2,
+        )
+        for number, name in enumerate(NAMES, start=9)
+    ),
+    *(
+        FigureSpec(
+            f"figure_{number}", _runs("disturbed"), f"Figure {number}: {name} angle under the external torques (25).",
+            external(name), 3.2,
+        )
+        for number, name in enumerate(NAMES, start=12)
+    ),
+)  # fmt: skip

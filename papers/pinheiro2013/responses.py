@@ -1,0 +1,190 @@
+"""Responses of the closed loops: release at 0.6 on every axis (24) and disturbing torques (25), linear and nonlinear.
+
+Linear responses are matrix exponentials; the torques of (25) are states of their own, switched at 1000 s and 4000 s.
+The state is (phi, theta, psi) and the rates of these angles; the control is u = -K x.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from gainsay.dynamics import attitude
+from gainsay.simulation.linear import Peak, Response, with_harmonics
+from gainsay.simulation.ode import Trajectory, integrate
+from papers.pinheiro2013.plant import GROUPS, Satellite, linear_model
+
+#: an angle has settled once it stays below this share of its peak
+SETTLED = 0.02
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """Torque (25) on one axis: sum over k of amplitude sin(k n t), plus a step between two times.
+
+    Attributes
+    ----------
+    amplitude, step : float
+        N m.
+    start, end : float
+        Times of the step, s.
+    harmonics : int
+        Last k of the sum.
+    """
+
+    amplitude: float
+    step: float
+    start: float
+    end: float
+    harmonics: int
+
+    def torque(self, time, n: float):
+        """Torque at a time or many, N m."""
+        time = np.asarray(time, dtype=float)
+        waves = sum(np.sin(k * n * time) for k in range(1, self.harmonics + 1))
+        return self.amplitude * waves + self.step * ((time >= self.start) & (time < self.end))
+
+
+def disturbance(case, harmonics: int | None = None) -> Disturbance:
+    """Read (25) from the tables."""
+    return Disturbance(
+        case.number("sine_amplitude"), case.number("step_amplitude"), case.number("step_start"),
+        case.number("step_end"), harmonics or int(case.number("harmonics")),
+    )  # fmt: skip
+
+
+def release_state(case, axes: Sequence[str] = GROUPS["all"]) -> np.ndarray:
+    """Start (24) for the given axes, with 0.6 in the unit assumed: angles, then their rates."""
+    index = ["xyz".index(axis) for axis in axes]
+    factor = np.pi / 180 if case.choice("rate_unit") == "deg/s" else 1.0
+    rates = case.matrix("initial_rates")[index, 0] * factor
+    return np.concatenate([case.matrix("initial_angles")[index, 0], rates])
+
+
+def loop_matrix(actual: Satellite, group: str, K: np.ndarray) -> np.ndarray:
+    """State matrix of the actual satellite under u = -K x."""
+    A, B = linear_model(actual, group)
+    return A - B @ K
+
+
+class Disturbed:
+    """Linear response to (25) from rest, piece by piece between the switching times.
+
+    Parameters
+    ----------
+    satellite : Satellite
+    group : str
+    K : ndarray
+    torque : Disturbance
+    end : float
+        s.
+    axes : sequence of bool, optional
+        On which axes of the group it acts; every one by default.
+    step : float
+        Sampling, s.
+    """
+
+    def __init__(self, satellite, group, K, torque, end, axes=None, step=1.0) -> None:
+        _, B = linear_model(satellite, group)
+        acting = np.ones(B.shape[1]) if axes is None else np.asarray(axes, dtype=float)
+        A, shape = loop_matrix(satellite, group, K), B @ acting
+        rates = [k * satellite.n for k in range(1, torque.harmonics + 1)]
+        self.size = A.shape[0]
+        self.pieces: list[tuple[float, Response]] = []
+        marks = [0.0, *(t for t in (torque.start, torque.end) if t < end), end]
+        state = np.zeros(self.size)
+        for begin, stop in pairwise(marks):
+            constant = torque.step if torque.start <= begin < torque.end else 0.0
+            whole, extra = with_harmonics(A, shape, rates, torque.amplitude, constant)
+            for i, rate in enumerate(rates):
+                extra[2 * i], extra[2 * i + 1] = np.sin(rate * begin), np.cos(rate * begin)
+            response = Response(
+                whole, np.concatenate([state, extra]), stop - begin, max(int(np.ceil((stop - begin) / step)), 1)
+            )
+            self.pieces.append((begin, response))
+            state = response.states[-1, : self.size]
+
+    def samples(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times and states of the satellite."""
+        times = [begin + r.time[: -1 if last else None] for begin, r, last in self._marked()]
+        states = [r.states[: -1 if last else None, : self.size] for _, r, last in self._marked()]
+        return np.concatenate(times), np.concatenate(states)
+
+    def _marked(self):
+        return [(begin, r, i + 1 < len(self.pieces)) for i, (begin, r) in enumerate(self.pieces)]
+
+    def peak(self, output: np.ndarray) -> Peak:
+        """Largest modulus of a linear output of the satellite's state."""
+        found = []
+        for begin, response in self.pieces:
+            padded = np.concatenate([output, np.zeros(response.A.shape[0] - self.size)])
+            peak = response.peak(padded)
+            found.append(Peak(begin + peak.time, peak.value))
+        return max(found, key=lambda p: abs(p.value))
+
+
+def difference(nominal: np.ndarray, other: np.ndarray, start: np.ndarray, end: float, steps: int) -> Response:
+    """Response of two loops from the same start, their states one above the other."""
+    n = len(start)
+    A = np.zeros((2 * n, 2 * n))
+    A[:n, :n], A[n:, n:] = nominal, other
+    return Response(A, np.concatenate([start, start]), end, steps)
+
+
+def nonlinear(
+    satellite: Satellite, K: np.ndarray, start: np.ndarray, end: float, *, limit: float | None = None,
+    torque: Disturbance | None = None, rtol: float = 1e-10, method: str = "DOP853",
+) -> Trajectory:  # fmt: skip
+    """Integrate the nonlinear motion (1) to (5) with the full gravity gradient under u = -K x.
+
+    Parameters
+    ----------
+    satellite : Satellite
+        As it is.
+    K : ndarray, shape (3, 6)
+    start : ndarray, shape (6,)
+        Angles, then their rates.
+    end : float
+        s.
+    limit : float, optional
+        Largest modulus of each wheel's torque, N m.
+    torque : Disturbance, optional
+        On every axis.
+    rtol, method
+        See `gainsay.simulation.ode.integrate`.
+
+    Returns
+    -------
+    Trajectory
+        States are the angles and the inertial rate in body components.
+    """
+    n, inertia = satellite.n, np.array(satellite.inertia)
+
+    def control(x: np.ndarray) -> np.ndarray:
+        rates = attitude.euler_rates(x[:3], x[3:], n)
+        return -K @ np.concatenate([x[:3], rates])
+
+    def slope(t: float, x: np.ndarray) -> np.ndarray:
+        u = control(x)
+        if limit is not None:
+            u = np.clip(u, -limit, limit)
+        if torque is not None:
+            u = u + torque.torque(t, n)
+        return attitude.derivative(x, inertia, n, u)
+
+    kinks = []
+    if limit is not None:
+        kinks = [_kink(control, axis, sign * limit) for axis in range(3) for sign in (-1, 1)]
+    begin = np.concatenate([start[:3], attitude.rate_body(start[:3], start[3:], n)])
+    return integrate(slope, begin, end, rtol=rtol, atol=1e-13, kinks=kinks, method=method)
+
+
+def _kink(control, axis: int, level: float):
+    return lambda t, x: control(x)[axis] - level
+
+
+def angle_rates(states: np.ndarray, n: float) -> np.ndarray:
+    """Angles and their rates, shape (N, 6), from angles and body rates."""
+    rates = [attitude.euler_rates(x[:3], x[3:], n) for x in states]
+    return np.hstack([states[:, :3], np.array(rates)])

@@ -1,0 +1,286 @@
+"""Runs of pinheiro2013: release at 0.6 deg/s and the torques (25), three designs, two reconstructions, every plant."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from gainsay.dynamics import attitude
+from gainsay.logs import (
+    Body,
+    Bound,
+    Columns,
+    EventLog,
+    Layout,
+    Line,
+    Log,
+    LogWriter,
+    Measured,
+    Plot,
+    Rows,
+    RunSpec,
+    Scene,
+    Tab,
+    Text,
+)
+from gainsay.simulation.linear import Response
+from gainsay.simulation.ode import integrate, largest
+from papers.pinheiro2013 import responses
+from papers.pinheiro2013.plant import RECONSTRUCTIONS, Satellite, perturbed, reconstruction
+
+DESIGNS = {"hinf": ("gamma_0.2", "0.2"), "mixed": ("gamma_2", "2"), "h2": ("gamma_100", "100")}
+NAMES = ("roll", "pitch", "yaw")
+ANGLES = dict.fromkeys(NAMES, "rad")
+RATES = dict.fromkeys(NAMES, "rad/s")
+TORQUES = dict.fromkeys("xyz", "N m")
+STEP = 0.1
+#: band of a located extreme beside the difference of the two methods: rounding of the exponentials
+ROUNDING = 1e-12
+
+
+def _log(log: LogWriter, where: str, time: np.ndarray, states: np.ndarray, K: np.ndarray, limit=None) -> None:
+    torque = -states @ K.T
+    if limit is not None:
+        torque = np.clip(torque, -limit, limit)
+    log.signal(f"/{where}/angles", ANGLES, time, states[:, :3])
+    log.signal(f"/{where}/rates", RATES, time, states[:, 3:])
+    log.signal(f"/{where}/torque", TORQUES, time, torque)
+
+
+def _plants(case, satellite: Satellite) -> list[list[Satellite]]:
+    """Plants 1 and 2 for each of roll, pitch, yaw: list (ii), list (i), list (ii)."""
+    return [list(perturbed(case, satellite, group)) for group in ("roll_yaw", "pitch", "roll_yaw")]
+
+
+def _second(A: np.ndarray, start: np.ndarray, end: float, output: np.ndarray) -> float:
+    """Largest modulus of an output by an adaptive integrator, as a second method."""
+    trajectory = integrate(lambda t, x: A @ x, start, end, rtol=1e-12, atol=1e-14)
+    return largest(trajectory, lambda t, x: np.abs(x @ output))[1]
+
+
+def _extreme(log: LogWriter, name: str, time: float, value: float, second: float, unit: str) -> None:
+    log.extreme(name, time, abs(value), unit)
+    log.summary(f"second_{name}", second, unit)
+
+
+def release(reconstructed: str, design: str):
+    """Return the simulation of a release at the rates of (24)."""
+
+    def simulate(case, designs: Mapping, log: LogWriter) -> None:
+        satellite, K = reconstruction(case, reconstructed), designs[f"{reconstructed}_{design}"]["K"]
+        end, limit = case.number("horizon"), case.number("wheel_torque")
+        start = responses.release_state(case)
+        A = responses.loop_matrix(satellite, "all", K)
+        nominal = Response(A, start, end, round(end / STEP))
+        _log(log, "nominal", nominal.time, nominal.states, K)
+        plants = _plants(case, satellite)
+        for i, name in enumerate(NAMES):
+            angle, torque = np.eye(6)[i], -K[i]
+            for what, output, unit in (("angle", angle, "rad"), ("torque", torque, "N m")):
+                peak = nominal.peak(output)
+                _extreme(log, f"peak_{what}_{name}", peak.time, peak.value, _second(A, start, end, output), unit)
+            settled = nominal.last_above(angle, responses.SETTLED * abs(nominal.peak(angle).value))
+            log.extreme(f"settling_{name}", settled, settled, "s")
+            for k in (0, 1):
+                other = responses.loop_matrix(plants[i][k], "all", K)
+                both = responses.difference(A, other, start, end, round(end / STEP))
+                apart = both.peak(np.concatenate([angle, -angle]))
+                _extreme(
+                    log, f"difference_{name}_plant_{k + 1}", apart.time, apart.value,
+                    _second(both.A, both.states[0], end, np.concatenate([angle, -angle])), "rad",
+                )  # fmt: skip
+        for k in (0, 1):
+            states = np.empty_like(nominal.states)
+            for i in range(3):
+                # Each axis is taken from the list that the paper gives for it.
+                other = responses.loop_matrix(plants[i][k], "all", K)
+                states[:, [i, i + 3]] = Response(other, start, end, round(end / STEP)).states[:, [i, i + 3]]
+            _log(log, f"plant_{k + 1}", nominal.time, states, K)
+        for where, wheel in (("nonlinear", None), ("nonlinear_limited", limit)):
+            found = responses.nonlinear(satellite, K, start, end, limit=wheel)
+            states = responses.angle_rates(found(nominal.time), satellite.n)
+            _log(log, where, nominal.time, states, K, wheel)
+            for mark in found.ends[1:-1]:
+                log.event(float(mark), "saturation", f"{where}: a wheel torque passes 0.15 N m", level="warning")
+        for k in (0, 1):
+            states = np.empty_like(nominal.states)
+            for i in range(3):
+                found = responses.nonlinear(plants[i][k], K, start, end)
+                whole = responses.angle_rates(found(nominal.time), satellite.n)
+                states[:, [i, i + 3]] = whole[:, [i, i + 3]]
+            _log(log, f"nonlinear_plant_{k + 1}", nominal.time, states, K)
+        log.bound("wheel_torque", "N m", lower=-limit, upper=limit)
+        _scene(log, nominal.time, states, -nominal.states @ K.T)
+
+    return simulate
+
+
+def disturbed(reconstructed: str, design: str):
+    """Return the simulation of the response to (25) from rest."""
+
+    def simulate(case, designs: Mapping, log: LogWriter) -> None:
+        satellite, K = reconstruction(case, reconstructed), designs[f"{reconstructed}_{design}"]["K"]
+        end, torque = case.number("disturbance_horizon"), responses.disturbance(case)
+        linear = responses.Disturbed(satellite, "all", K, torque, end)
+        coarse = responses.Disturbed(satellite, "all", K, torque, end, step=0.5)
+        time, states = linear.samples()
+        shown = time % 5 == 0
+        _log(log, "nominal", time[shown], states[shown], K)
+        log.signal(
+            "/disturbance/torque", {"each_axis": "N m"}, time[shown], torque.torque(time[shown], satellite.n)[:, None]
+        )
+        for i, name in enumerate(NAMES):
+            for what, output, unit in (("angle", np.eye(6)[i], "rad"), ("torque", -K[i], "N m")):
+                peak = linear.peak(output)
+                _extreme(log, f"peak_{what}_{name}", peak.time, peak.value, abs(coarse.peak(output).value), unit)
+        found = responses.nonlinear(satellite, K, np.zeros(6), end, torque=torque, rtol=1e-8, method="LSODA")
+        whole = responses.angle_rates(found(time[shown]), satellite.n)
+        _log(log, "nonlinear", time[shown], whole, K)
+        for instant, what in ((torque.start, "begins"), (torque.end, "ends")):
+            log.event(instant, "step", f"the constant torque of (25) {what}")
+        _scene(log, time[shown], whole, -whole @ K.T, exaggerated=True)
+
+    return simulate
+
+
+def _scene(log: LogWriter, time, states, torque, exaggerated: bool = False) -> None:
+    # Angles of fractions of a degree are invisible: they are drawn larger, and the text page says so.
+    factor = 0.3 / max(np.abs(states[:, :3]).max(), 1e-12)
+    keep = np.unique(np.linspace(0, len(time) - 1, 600).astype(int))
+    rotation = np.array([_quaternion(factor * x) for x in states[keep, :3]])
+    log.transform("lvlh", "body", time[keep], np.zeros((len(keep), 3)), rotation)
+    log.body("satellite", "body", Body((0.6, 0.6, 0.6)))
+    log.arrows("torque", "body", time[keep], torque[keep], 0.8 / max(np.abs(torque).max(), 1e-12), "thrust")
+    log.axes("lvlh", 1.2)
+    log.axes("body", 0.8)
+    log.summary("drawn_angle_factor", factor, "1")
+
+
+def _quaternion(angles: np.ndarray) -> np.ndarray:
+    """Quaternion x, y, z, w that turns body components into LVLH components."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_matrix(attitude.direction_cosines(angles).T).as_quat()
+
+
+def _measured(log: Log, name: str) -> Measured:
+    _, value = log.extremes[name]
+    band = abs(value - log.summaries[f"second_{name}"]) + ROUNDING * abs(value)
+    return Measured(
+        value, "matrix exponential, extreme located; band: an adaptive integrator", value - band, value + band
+    )
+
+
+def measure_release(reconstructed: str, design: str):
+    """Return the function that reads a release's quantities from its log."""
+
+    def measure(case, log: Log) -> dict[str, Measured]:
+        prefix, found = f"{reconstructed}.{DESIGNS[design][0]}", {}
+        for name in NAMES:
+            angle, torque = _measured(log, f"peak_angle_{name}"), _measured(log, f"peak_torque_{name}")
+            worst = max((_measured(log, f"difference_{name}_plant_{k}") for k in (1, 2)), key=lambda m: m.value)
+            found[f"{prefix}.peak_angle.{name}"] = angle
+            found[f"{prefix}.peak_torque.{name}"] = torque
+            found[f"{prefix}.absolute_difference.{name}"] = worst
+            found[f"{prefix}.relative_difference.{name}"] = Measured(
+                worst.value / angle.value, "worse of the two plants over the nominal peak, both located",
+                worst.lower / angle.upper, worst.upper / angle.lower,
+            )  # fmt: skip
+            found[f"{prefix}.settling.{name}"] = Measured(
+                log.extremes[f"settling_{name}"][1], f"last time above {responses.SETTLED:.0%} of the peak, located"
+            )
+            for where in ("nonlinear", "nonlinear_limited"):
+                apart = log[f"/{where}/angles"].column(name) - log["/nominal/angles"].column(name)
+                found[f"{prefix}.{where}_difference.{name}"] = Measured(
+                    float(np.abs(apart).max()) / angle.value,
+                    f"largest difference at samples {STEP} s apart, over the peak",
+                )
+        momentum = np.abs(log["/nominal/rates"].values) * np.array(reconstruction(case, reconstructed).inertia)
+        found[f"{prefix}.peak_momentum"] = Measured(float(momentum.max()), "largest I times rate at the samples")
+        return found
+
+    return measure
+
+
+def measure_disturbed(reconstructed: str, design: str):
+    """Return the function that reads the quantities of a response to (25) from its log."""
+
+    def measure(case, log: Log) -> dict[str, Measured]:
+        prefix, found = f"{reconstructed}.{DESIGNS[design][0]}.disturbed", {}
+        for name in NAMES:
+            for what in ("angle", "torque"):
+                found[f"{prefix}.peak_{what}.{name}"] = _measured(log, f"peak_{what}_{name}")
+        return found
+
+    return measure
+
+
+def _specs():
+    for name in RECONSTRUCTIONS:
+        for design, (_, gamma) in DESIGNS.items():
+            told = f"gamma = {gamma}, reconstruction {name.upper()}"
+            yield RunSpec(
+                f"{name}_{design}_release", f"release at 0.6 deg/s on every axis, {told}",
+                release(name, design), measure_release(name, design),
+            )  # fmt: skip
+            yield RunSpec(
+                f"{name}_{design}_disturbed", f"torques (25) on every axis from rest, {told}",
+                disturbed(name, design), measure_disturbed(name, design),
+            )  # fmt: skip
+
+
+RUNS = tuple(_specs())
+RELEASES = tuple(run.name for run in RUNS if run.name.endswith("release"))
+DISTURBED = tuple(run.name for run in RUNS if run.name.endswith("disturbed"))
+
+
+def _lines(where: str, kind: str, fields, suffix: str = "", label: str = "") -> tuple[Line, ...]:
+    return tuple(
+        Line(f"/{where}/{kind}", field, f"{field}{label}", f"axis_{i}{suffix}")
+        for i, field in enumerate(fields, start=1)
+    )
+
+
+def _compared(field: str) -> tuple[Line, ...]:
+    return (
+        Line("/nominal/angles", field, "nominal", "nominal"),
+        Line("/plant_1/angles", field, "plant 1", "perturbed"),
+        Line("/plant_2/angles", field, "plant 2", "comparison"),
+    )
+
+
+ABOUT = """# Microsatellite attitude, Pinheiro and Gadelha de Souza 2013
+
+Small angles from the LVLH frame (third axis down). Control u = -K x with K from the mixed H2/H-infinity LMIs (21),
+their sign corrected. **Release**: every axis starts at 0.6 deg/s, as (24) is read; plants 1 and 2 change the moments of
+inertia by 10 % as lists (i) and (ii) say; dashed lines are the wheel's 0.15 N m. **Disturbed**: the torques (25) act on
+every axis from rest. The moments of inertia are not in the paper: reconstruction A or B stands in for them.
+
+Bears on: what Figures 6 to 14 say of gamma = 0.2, 2 and 100. Angles in the picture are drawn larger than they are
+(`drawn_angle_factor`).
+"""
+
+_SCENE = Scene(
+    "Body axes against LVLH, angles drawn larger", "lvlh", elements=("satellite", "torque"), axes=("lvlh", "body")
+)
+
+_WHEEL = (Bound("wheel_torque", "wheel"),)
+
+LAYOUT = Layout("pinheiro2013", (
+    Tab("Release", Columns(_SCENE, Rows(
+        Plot("Euler angles [rad]", _lines("nominal", "angles", NAMES)),
+        Plot("Control torque [N m]", _lines("nominal", "torque", "xyz"), bounds=_WHEEL),
+    )), runs=RELEASES),
+    Tab("Uncertainty", Rows(*(Plot(f"{name} [rad]", _compared(name)) for name in NAMES)), runs=RELEASES),
+    Tab("Nonlinear", Rows(
+        Plot("Euler angles, nonlinear [rad]", _lines("nonlinear", "angles", NAMES)),
+        Plot("Euler angles, wheels limited [rad]", _lines("nonlinear_limited", "angles", NAMES)),
+        Plot("Control torque, wheels limited [N m]", _lines("nonlinear_limited", "torque", "xyz"), bounds=_WHEEL),
+    ), runs=RELEASES),
+    Tab("Disturbed", Columns(_SCENE, Rows(
+        Plot("Euler angles [rad]", _lines("nominal", "angles", NAMES)),
+        Plot("Euler angles, nonlinear [rad]", _lines("nonlinear", "angles", NAMES)),
+        Plot("Control torque [N m]", _lines("nominal", "torque", "xyz")),
+        Plot("Disturbing torque [N m]", (Line("/disturbance/torque", "each_axis", "each axis", "magnitude"),)),
+    )), runs=DISTURBED),
+    Tab("About", Columns(Text("About", ABOUT), EventLog())),
+))  # fmt: skip
