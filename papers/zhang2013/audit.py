@@ -1,0 +1,145 @@
+"""Audit of zhang2013: the printed K and L on the design model and on the flexible plant."""
+
+
+import numpy as np
+from flint import fmpq
+
+from gainsay.errors import ComputationError
+from gainsay.proof.build import certificate
+from gainsay.systems.delay import DelayMargin, DelaySystem
+from gainsay.systems.delay_bounds import bessel_legendre_delay
+from gainsay.systems.delay_spectrum import gain_stays_below, hinf_norm, rightmost_roots, spectral_abscissa
+from gainsay.tables import Case
+from gainsay.tables.results import Results, task
+from papers.zhang2013 import certificates as prove
+from papers.zhang2013.bounds import Structured, largest_delay, least_gamma, lifted
+from papers.zhang2013.formulas import PLANT
+from papers.zhang2013.plant import MODES, Spacecraft
+from papers.zhang2013.synthesis import flexible_point, point_at
+from papers.zhang2013.theorem1 import Delayed, Functional, theorem1
+
+NORM_ROOM = 1e-7
+"""Relative room between a norm and the level proved above it."""
+
+
+def printed(case: Case) -> tuple[Spacecraft, tuple, tuple]:
+    """Spacecraft, K and L as printed."""
+    return Spacecraft.of(case), case.printed("K").exact, case.printed("L").exact
+
+
+def checked_margin(loop: DelaySystem, where: str) -> DelayMargin:
+    """Exact delay margin, confirmed by the rightmost roots a little before and after it."""
+    margin = loop.quasi_polynomial.margin()
+    if not np.isfinite(margin.delay) or margin.delay == 0:
+        return margin
+    before, after = (spectral_abscissa(loop, margin.delay * (1 + e)) for e in (-1e-5, 1e-5))
+    crossing = rightmost_roots(loop, margin.delay, 2)[0]
+    if not before < 0 < after or abs(crossing.real) > 1e-9 or abs(abs(crossing.imag) - margin.frequency) > 1e-8:
+        raise ComputationError(where, f"delay margin {margin.delay!r} is not where the rightmost roots cross")
+    return margin
+
+
+@task("(3), (5)")
+def poles(case: Case, results: Results) -> None:
+    """Poles without delay."""
+    craft, K, L = printed(case)
+    A, B = (np.asarray(m, dtype=float) for m in (craft.A, craft.B))
+    value = np.linalg.eigvals(A + B @ np.asarray(K, dtype=float)).real.max()
+    results.certificate(prove.abscissa(case, "audit-abscissa", "A + B @ printed('K')", PLANT, "audit.abscissa",
+                                       "Spectral abscissa of A + BK with the printed K."))  # fmt: skip
+    results.quantity("audit.abscissa", value, method="eigenvalues", source="(3)")
+    bandwidth = (np.array(L, dtype=object) @ craft.B)[0, 0]
+    results.certificate(certificate(
+        "enclosed", id="audit-bandwidth", paper=case.name, tables=case, definitions=PLANT,
+        statement="L B of the printed L.", fields={"formula": "printed('L') @ B", "low": "0"},
+        quantities={"value": "audit.observer_bandwidth"}))  # fmt: skip
+    results.quantity("audit.observer_bandwidth", float(bandwidth), method="rational arithmetic", source="(5)")
+    results.say("(3), (5)", f"abscissa of A + BK {value:.6g} 1/s, L B {float(bandwidth):.6g} 1/s")
+
+
+@task("(7)")
+def delay_margin(case: Case, results: Results) -> None:
+    """Exact constant-delay margin of the design model, and what Legendre polynomials prove of it."""
+    craft, K, L = printed(case)
+    loop = craft.design_loop(K, L)
+    margin = checked_margin(loop, "(7)")
+    results.quantity("audit.delay_margin", margin.delay, lower=margin.lower, upper=margin.upper, source="(7)",
+                     method="quasi-polynomial, roots isolated; confirmed by rightmost roots")  # fmt: skip
+    # e is not delayed and does not feed on x: (7) is stable exactly if L B > 0 and the loop of x is
+    A, Ad = loop.A[:2, :2], loop.A1[:2, :2]
+    for degree in (0, 1, 2):
+        value = bessel_legendre_delay(A, Ad, degree, 0.9 * margin.delay, 1.002 * margin.delay)
+        results.quantity(f"bessel_legendre.delay_max_order{degree}", value, source="(7)",
+                         method="zero of the best margin, traces of all blocks adding to one")  # fmt: skip
+    results.say("(7)", f"stable up to a constant delay of {margin.delay:.9g} s")
+
+
+@task("(7), (8)")
+def norm(case: Case, results: Results) -> None:
+    """Exact H-infinity norm without delay and at d_M."""
+    craft, K, L = printed(case)
+    loop = craft.design_loop(K, L)
+    for name, delay in (("delay_0", fmpq(0)), ("delay_30ms", fmpq(3, 100))):
+        peak = hinf_norm(loop, float(delay.p) / float(delay.q))
+        level = peak.value * (1 + NORM_ROOM)
+        if not gain_stays_below(loop, delay, fmpq(round(level * 10**15), 10**15)):
+            raise ComputationError("(7), (8)", f"the gain exceeds {level!r}")
+        results.quantity(f"audit.hinf.{name}", peak.value, lower=peak.value * (1 - 1e-13), upper=level,
+                         method=f"level sets and exact response, peak at {peak.frequency:.7g} rad/s; upper: balls over "
+                         "all frequencies", source="(7), (8)")  # fmt: skip
+        results.say("(7), (8)", f"norm {peak.value:.9g} at a delay of {float(delay.p) / float(delay.q):g} s")
+
+
+@task("(9)")
+def analysis(case: Case, results: Results) -> None:
+    """Theorem 1 for the printed gains: at gamma = 1.5, its least gamma, its largest delay."""
+    craft, K, L = printed(case)
+    gamma, d_M, mu = (case.number(name) for name in ("gamma", "d_M", "mu"))
+    loop = Delayed.of(craft, K, L, d_M, mu)
+    point = lifted(loop, point_at(loop, gamma**2))
+    results.certificate(prove.theorem1(case, "theorem1-printed-gains", "printed('K')", "printed('L')", point,
+                                       "theorem1.feasible"))  # fmt: skip
+    results.quantity("theorem1.feasible", 1, method="exact feasible point", source="(9)")
+    least = least_gamma(loop)
+    with_slack = least_gamma(loop, Functional(3), theorem1)
+    # Theorem 1 bounds the norm for every constant delay up to d_M: its gamma cannot be below the norm at d_M
+    floor = hinf_norm(craft.design_loop(K, L), d_M).value
+    value = float(np.sqrt(least.value))
+    results.quantity("theorem1.gamma_min", value, lower=floor, upper=float(np.sqrt(least.upper)), source="(9)",
+                     method="P2 = P1, P3 = d_M R without loss; upper: checked point, lower: exact norm")  # fmt: skip
+    results.quantity("theorem1.gamma_min_with_slack", float(np.sqrt(with_slack.upper)), source="(9)",
+                     method="P2 and P3 free, at a checked point")  # fmt: skip
+    limit = craft.design_loop(K, L).quasi_polynomial.margin().delay
+    delay, feasible, infeasible = largest_delay(loop, gamma, limit)
+    results.quantity("theorem1.delay_max", delay, lower=feasible, upper=infeasible, source="(9)",
+                     method="root of the least gamma over d_M")  # fmt: skip
+    v = Structured(case.number("lambda1_corrected"), case.number("lambda2"))
+    delay, feasible, infeasible = largest_delay(loop, gamma, limit, v, theorem1)
+    results.quantity("structured.delay_max", delay, lower=feasible, upper=infeasible, source="(9), (25)",
+                     method="root of the least gamma over d_M")  # fmt: skip
+    results.say("(9)", f"least gamma {value:.7g}; certified at gamma = {gamma:g}")
+
+
+@task("(1), (4), (6)")
+def flexible(case: Case, results: Results) -> None:
+    """The printed gains on the spacecraft with its two modes."""
+    craft, K, L = printed(case)
+    for mode in MODES:
+        loop = craft.flexible_loop(K, L, mode)
+        margin = checked_margin(loop, f"flexible plant, {mode}")
+        results.quantity(f"flexible.delay_margin.{mode}", margin.delay, lower=margin.lower, upper=margin.upper,
+                         method="quasi-polynomial, roots isolated; confirmed by rightmost roots",
+                         source="(1), (4), (6)")  # fmt: skip
+        results.say("(1), (4), (6)", f"{mode}: stable up to a constant delay of {margin.delay:.9g} s")
+    d_M = case.number("d_M")
+    for name, mode in (("flexible.abscissa", "paper"), ("flexible.no_observer.abscissa", "no_observer")):
+        results.quantity(name, spectral_abscissa(craft.flexible_loop(K, L, mode), d_M), source="(1), (4), (6)",
+                         method="spectral discretisation and Newton")  # fmt: skip
+    values, gamma_squared = flexible_point(craft, K, L, case)
+    results.certificate(prove.theorem1(case, "flexible-theorem1", "printed('K')", "printed('L')", values,
+                                       "flexible.theorem1_feasible", plant="flexible",
+                                       gamma_squared=gamma_squared))  # fmt: skip
+    results.quantity("flexible.theorem1_feasible", 1, method="exact feasible point of (9)", source="(1), (4), (6), (9)")
+
+
+TASKS = (poles, delay_margin, norm, analysis, flexible)

@@ -1,0 +1,249 @@
+"""Synthesis for zhang2013: Theorem 2 as printed and as corrected, what each accepts, and designs to simulate."""
+
+
+import numpy as np
+
+from gainsay.errors import ComputationError
+from gainsay.lmi import Failed, Infimum, Program, Solved, infimum, solve
+from gainsay.systems.delay_spectrum import hinf_norm, spectral_abscissa
+from gainsay.tables import Case
+from gainsay.tables.results import Results, task
+from papers.zhang2013 import certificates as prove
+from papers.zhang2013.bounds import Structured, least_gamma, lifted
+from papers.zhang2013.design import (
+    acceptance_program,
+    fast_program,
+    farkas_multipliers,
+    gains_of,
+    inequalities,
+    least_squares_program,
+    margin_program,
+    repaired_gains,
+    standing,
+    unsound_program,
+    without_block_26,
+)
+from papers.zhang2013.formulas import FLEXIBLE, PLANT, flexible_loop
+from papers.zhang2013.plant import Spacecraft
+from papers.zhang2013.theorem1 import Delayed, theorem1
+from papers.zhang2013.theorem2 import EDITIONS, ROWS, Setting, Unknowns, corrected, differing_blocks
+
+PLUS, MINUS = "number('lambda1_corrected')", "number('lambda1')"
+SWEEP = (0.03, 0.12, 0.3, 1.0, 3.0, 10.0)
+
+
+def enclosed(program: Program, results: Results, where: str) -> Infimum:
+    """Enclosure of an infimum; attempts kept, anything else raised."""
+    found = infimum(program)
+    results.attempt(where, list(found.attempts))
+    if not isinstance(found, Infimum):
+        raise ComputationError(where, f"{program.label}: {type(found).__name__.lower()}", found.attempts)
+    return found
+
+
+def point_of(program: Program, results: Results, where: str) -> Solved:
+    """A checked point; attempts kept, anything else raised."""
+    found = solve(program)
+    results.attempt(where, list(found.attempts))
+    if not isinstance(found, Solved):
+        raise ComputationError(where, f"{program.label}: {type(found).__name__.lower()}", found.attempts)
+    return found
+
+
+@task("(23), (26)")
+def correction(case: Case, results: Results) -> None:
+    """(23) and (26) against the congruence of (9) under (25)."""
+    blocks = differing_blocks(Setting.of(Spacecraft.of(case), case))
+    results.quantity("theorem2.differing_blocks", len(blocks), source="(9), (23), (25)",
+                     method="coefficients of printed and corrected (23) compared block by block")  # fmt: skip
+    results.certificate(prove.corrected_form(case))
+    results.quantity("theorem2.corrected_form", 1, method="polynomial identity", source="(9), (25), (26)")
+    for i, j in blocks:
+        results.certificate(prove.differing_block(case, ROWS[i - 1], ROWS[j - 1]))
+    results.certificate(prove.printed26_differs(case))
+    listed = ", ".join(f"({i},{j})" for i, j in blocks)
+    results.say("(23), (26)", f"blocks {listed} as printed are not those of (9) under (25), proved")
+
+
+@task("lambda1")
+def sign_of_lambda1(case: Case, results: Results) -> None:
+    """No lambda1 <= 0 is feasible, printed or corrected."""
+    results.certificate(prove.negative_form(case))
+    results.quantity("theorem2.negative_lambda1_form", 1, source="(23)",
+                     method="polynomial identity in lambda1 and all unknowns")  # fmt: skip
+    for edition, quantity in (("corrected", "theorem2.feasible_printed_sign"),
+                              ("printed", "theorem2.printed_feasible_printed_sign")):  # fmt: skip
+        results.certificate(prove.printed_sign_infeasible(case, edition, quantity))
+        results.quantity(quantity, 0, method="exact Farkas multipliers of rank one", source="(23)")
+    results.say("lambda1", "-0.12 infeasible, corrected and printed, Farkas certificates checked")
+
+
+@task("(23)")
+def margins(case: Case, results: Results) -> None:
+    """Feasibility and margin where lambda1 > 0."""
+    craft = Spacecraft.of(case)
+    for edition, lambda1, name, quantity, formula, identity in (
+        ("corrected", case.number("lambda1_corrected"), "theorem2.margin", "theorem2.feasible", PLUS, "eq23-feasible"),
+        ("printed", 1.0, "theorem2.printed_margin_lambda1_one", "theorem2.printed_feasible_lambda1_one", "1",
+         "eq23-printed-feasible"),
+    ):  # fmt: skip
+        setting = Setting.of(craft, case, lambda1=lambda1)
+        found = enclosed(margin_program(setting, edition), results, "(23)")
+        results.quantity(name, -found.value, lower=-found.upper, upper=-found.lower, source="(23)",
+                         method="interior point, enclosed by a checked point and checked multipliers")  # fmt: skip
+        results.certificate(prove.feasible(case, identity, edition, formula, found.solved.values, quantity))
+        results.quantity(quantity, 1, method="exact feasible point", source="(23)")
+        results.say("(23)", f"{edition}, lambda1 = {lambda1:g}: margin {-found.value:.7g}, certified")
+    printed_at = Setting.of(craft, case)
+    program = Program(subject_to=inequalities(printed_at, Unknowns(), EDITIONS["printed"], 0.0), label="(23) printed")
+    multipliers = farkas_multipliers(program)
+    quantity = "theorem2.printed_feasible"
+    results.certificate(prove.infeasible(case, "eq23-printed-infeasible", "printed", PLUS, multipliers, quantity))
+    results.quantity(quantity, 0, method="exact Farkas multipliers", source="(23)")
+    results.say("(23)", "printed, lambda1 = 0.12: infeasible, Farkas certificate checked")
+
+
+@task("(24)")
+def printed_gains(case: Case, results: Results) -> None:
+    """What the corrected Theorem 2 says of the printed K and L."""
+    craft, K, L = Spacecraft.of(case), case.printed("K").exact, case.printed("L").exact
+    setting = Setting.of(craft, case)
+    found = enclosed(acceptance_program(setting, K, L, corrected), results, "(24)")
+    results.certificate(prove.accepted(case, "printed-gains", "corrected", PLUS, "printed('K')", "printed('L')",
+                                       found.solved.values, "theorem2.printed_gains_feasible"))  # fmt: skip
+    results.quantity("theorem2.printed_gains_feasible", 1, method="exact feasible point", source="(23), (24)")
+    loop = Delayed.of(craft, K, L, setting.d_M, setting.mu)
+    least = least_gamma(loop, Structured(setting.lambda1, setting.lambda2), theorem1)
+    results.quantity("theorem2.printed_gains_gamma_min", np.sqrt(least.value), upper=np.sqrt(least.upper),
+                     method="interior point; upper: checked point", source="(9), (25)")  # fmt: skip
+    results.certificate(prove.gamma_floor(case))
+    results.quantity("theorem2.gamma_squared_floor", float(case.exact("C2") ** 2), source="(23a)",
+                     method="exact multipliers: a constant w1 reaches y through the estimate")  # fmt: skip
+    results.say("(24)", f"printed K, L accepted at gamma = 1.5, down to {np.sqrt(least.value):.6g}; certified")
+
+
+@task("(23) printed")
+def unsound(case: Case, results: Results) -> None:
+    """A point of the printed LMIs whose observer is unstable."""
+    craft = Spacecraft.of(case)
+    setting = Setting.of(craft, case, lambda1=1.0)
+    K, L = gains_of(point_of(unsound_program(setting, EDITIONS["printed"]), results, "(23) printed").values)
+    K, L = np.round(K, 2), np.array([[0.0, round(float(L[0, 1]), 2)]])
+    results.design("unsound", K=K, L=L, note="accepted by (23) as printed at lambda1 = 1; its observer is unstable")
+    point = enclosed(acceptance_program(setting, K, L, EDITIONS["printed"]), results, "(23) printed").solved
+    named = "design('unsound', 'K')", "design('unsound', 'L')"
+    results.certificate(prove.accepted(case, "unsound-accepted", "printed", "1", *named, point.values,
+                                       "unsound.accepted"))  # fmt: skip
+    results.quantity("unsound.accepted", 1, method="exact feasible point", source="(23) as printed")
+    pole = -(L @ setting.B)
+    statement = "The observer of that design is unstable."
+    results.certificate(prove.unstable(case, "unsound-observer", f"-({named[1]} @ B)", PLANT, pole,
+                                       "unsound.observer_stable", statement))  # fmt: skip
+    results.quantity("unsound.observer_stable", 0, method="inertia", source="(5)")
+    results.quantity("unsound.observer_pole", pole.item(), method="-L B", source="(5)")
+    count = 0
+    for lambda1 in SWEEP:
+        at = Setting.of(craft, case, lambda1=lambda1)
+        count += isinstance(solve(unsound_program(at, without_block_26)), Solved)
+    results.quantity("unsound.block26_accepted", count, source="(23)",
+                     method=f"checked points at lambda1 = {', '.join(map(str, SWEEP))}")  # fmt: skip
+    results.say("(23) printed", f"accepts an observer with its pole at {pole.item():+.4f} 1/s, certified")
+
+
+@task("Theorem 2, least squares")
+def resynthesised(case: Case, results: Results) -> None:
+    """The corrected Theorem 2 with an objective that leaves one solution."""
+    craft = Spacecraft.of(case)
+    setting = Setting.of(craft, case)
+    found = enclosed(least_squares_program(setting), results, "pinned")
+    K, L = gains_of(found.values)
+    results.quantity("pinned.objective", found.value, lower=found.lower, upper=found.upper, source="(23)",
+                     method="interior point, enclosed by a checked point and checked multipliers")  # fmt: skip
+    results.quantity("pinned.k1", K[0, 0], method="K = M X^-1 at the optimum", source="(23), (24)")
+    results.quantity("pinned.k2", K[0, 1], method="K = M X^-1 at the optimum", source="(23), (24)")
+    results.quantity("pinned.observer_bandwidth", (L @ setting.B).item(), method="L B at the optimum", source="(24)")
+    results.design("resynthesised", K=K, L=L, note="corrected Theorem 2, least sum of squares")
+    results.gains("K", published=case.printed("K"), resynthesised=K, identified=np.zeros((1, 2), dtype=bool))
+    results.gains("L", published=case.printed("L"), resynthesised=L, identified=np.zeros((1, 2), dtype=bool))
+    results.say("Theorem 2, least squares", f"K = [{K[0, 0]:.4f} {K[0, 1]:.4f}], L B = {(L @ setting.B).item():.4f}")
+
+
+@task("Theorem 2, least gamma")
+def fast(case: Case, results: Results) -> None:
+    """A design of least gamma: accepted by the corrected LMIs, unstable on the flexible plant."""
+    craft = Spacecraft.of(case)
+    setting = Setting.of(craft, case)
+    found = enclosed(fast_program(setting), results, "fast")
+    K, L = gains_of(found.solved.values)
+    K, L = np.round(K, 2), np.array([[0.0, round(float(L[0, 1]), 2)]])
+    results.quantity("fast.gamma", np.sqrt(found.value), lower=np.sqrt(max(found.lower, 0.0)),
+                     upper=np.sqrt(found.upper), source="(23)",
+                     method="interior point, enclosed by a checked point and checked multipliers")  # fmt: skip
+    results.design("fast", K=K, L=L, note="corrected Theorem 2, least gamma with bounded entries")
+    point = enclosed(acceptance_program(setting, K, L, corrected), results, "fast").solved
+    named = "design('fast', 'K')", "design('fast', 'L')"
+    results.certificate(prove.accepted(case, "fast-accepted", "corrected", PLUS, *named, point.values,
+                                       "fast.accepted"))  # fmt: skip
+    results.quantity("fast.accepted", 1, method="exact feasible point", source="(23)")
+    loop = craft.flexible_loop(K, L, "paper")
+    definitions = [*FLEXIBLE, *flexible_loop(*named)]
+    results.certificate(prove.unstable(case, "fast-unstable", "A_bar + A_d", definitions, loop.A + loop.A1,
+                                       "fast.flexible_stable",
+                                       "The flexible plant with the fast design is unstable without delay."))  # fmt: skip
+    results.quantity("fast.flexible_stable", 0, method="inertia", source="(1), (4), (6)")
+    results.certificate(prove.abscissa(case, "fast-abscissa", "A_bar + A_d", definitions, "fast.flexible_abscissa",
+                                       "Spectral abscissa of the flexible plant with the fast design."))  # fmt: skip
+    value = spectral_abscissa(loop, 0.0)
+    results.quantity("fast.flexible_abscissa", value, method="eigenvalues", source="(1), (4), (6)")
+    results.say("Theorem 2, least gamma", f"accepted; flexible plant unstable, abscissa {value:+.3e} 1/s, certified")
+
+
+@task("repair")
+def repaired(case: Case, results: Results) -> None:
+    """A design certified on the flexible plant."""
+    craft, d_M = Spacecraft.of(case), case.number("d_M")
+    K, L = repaired_gains(craft, case.matrix("K"), case.matrix("L"), d_M)
+    results.design("repaired", K=K, L=L, note="same stiffness, more damping; delay margins and decay not worse")
+    stands = standing(craft, K, L, d_M)
+    results.quantity("repaired.delay_margin.paper", stands.margin_paper, method="quasi-polynomial", source="(1), (6)")
+    results.quantity("repaired.delay_margin.all", stands.margin_all, method="quasi-polynomial", source="(1), (6)")
+    loop = craft.flexible_loop(K, L, "paper")
+    results.quantity("repaired.abscissa", spectral_abscissa(loop, d_M), source="(1), (4), (6)",
+                     method="spectral discretisation and Newton")  # fmt: skip
+    rigid = np.linalg.eigvals(np.asarray(craft.A, dtype=float) + np.asarray(craft.B, dtype=float) @ K).real.max()
+    results.quantity("repaired.design_abscissa", rigid, method="eigenvalues", source="(3)")
+    results.quantity("repaired.hinf", hinf_norm(craft.design_loop(K, L), d_M).value, source="(7), (8)",
+                     method="level sets and exact response")  # fmt: skip
+    named = "design('repaired', 'K')", "design('repaired', 'L')"
+    values, gamma = flexible_point(craft, K, L, case)
+    results.certificate(prove.theorem1(case, "repaired-theorem1", *named, values, "repaired.feasible_flexible",
+                                       plant="flexible", gamma_squared=gamma))  # fmt: skip
+    results.quantity("repaired.feasible_flexible", 1, method="exact feasible point of (9)", source="(1), (4), (6), (9)")
+    results.say("repair", f"K = [{K[0, 0]:.4f} {K[0, 1]:.4f}], L2 = {L[0, 1]:.4f}; (9) certified on the flexible plant")
+
+
+def flexible_point(craft: Spacecraft, K: np.ndarray, L: np.ndarray, case: Case) -> tuple[dict, str]:
+    """Point of (9) for the flexible loop with room: at 1.2 times its least gamma; the gamma^2 used, as text."""
+    loop = craft.flexible_loop(K, L, "paper")
+    output = loop.C[:1] - loop.C[1:]  # w2 - w2hat
+    given = Delayed(loop.A, loop.A1, loop.B, output, np.zeros((1, 1)), case.number("d_M"), case.number("mu"))
+    least = least_gamma(given)
+    gamma_squared = f"{1.44 * least.value:.6g}"
+    room = point_at(given, float(gamma_squared))
+    return lifted(given, room), gamma_squared
+
+
+def point_at(loop: Delayed, gamma_squared: float) -> dict:
+    """A point of (9) without slack for a given gamma^2, with all the margin that the solver finds."""
+    from papers.zhang2013.theorem1 import PARTS, Functional, without_slack
+
+    v = Functional(len(loop.A))
+    held = [without_slack(loop, v, gamma_squared, part) < 0 for part in PARTS]
+    for margin in (1e-4, 1e-6, 1e-8):
+        found = solve(Program(subject_to=[*held, *v.positive], label="(9)", margin=margin))
+        if isinstance(found, Solved):
+            return found.values
+    raise ComputationError("(9)", f"no point at gamma^2 = {gamma_squared:g}", found.attempts)
+
+
+TASKS = (correction, sign_of_lambda1, margins, printed_gains, unsound, resynthesised, fast, repaired)
