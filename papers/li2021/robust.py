@@ -9,10 +9,11 @@ a Lyapunov matrix and multipliers of its own, which the paper's conditions do no
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_continuous_lyapunov, solve_discrete_are
+from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
+from scipy.optimize import minimize
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import BlockMatrix, Program, affine, diagonal, positive, scalar, symmetric
+from gainsay.lmi import BlockMatrix, Program, affine, equal, positive, scalar, symmetric, trace
 from papers.li2021 import plant
 
 CHANNELS = 27
@@ -60,6 +61,22 @@ class Loop:
             channel=c,
         )
 
+    def rescaled(self, P: np.ndarray, multipliers: np.ndarray) -> "Loop":
+        """The same loop in coordinates in which a Lyapunov matrix P and multipliers become identities."""
+        T = np.linalg.inv(np.linalg.cholesky(P).T)
+        inv, c = np.linalg.inv(T), 1 / np.sqrt(multipliers[OF_CHANNEL])
+        return Loop(
+            A=inv @ self.A @ T,
+            H=inv @ self.H * c,
+            B=inv @ self.B,
+            Cz=self.Cz @ T / c[:, None],
+            Dw=self.Dw * c / c[:, None],
+            Dd=self.Dd / c[:, None],
+            C=self.C @ T,
+            T=self.T @ T,
+            channel=self.channel * c,
+        )
+
     def response(self, z: complex) -> np.ndarray:
         """Matrix Cz (z I - A)^-1 H + Dw, shape (27, 27)."""
         return self.Cz @ np.linalg.solve(z * np.eye(len(self.A)) - self.A, self.H) + self.Dw
@@ -104,7 +121,7 @@ def loop(k: plant.Constants, gains, delta_m: float) -> Loop:
     return Loop(A=A, H=H, B=B, Cz=Cz, Dw=Dw, Dd=Dd, C=C, T=np.eye(12), channel=np.ones(CHANNELS))
 
 
-def _multipliers(form: BlockMatrix | None = None):
+def _multipliers():
     parts = [positive(f"d{i}") for i in range(MULTIPLIERS)]
     D = affine(np.zeros((CHANNELS, CHANNELS)))
     for i, part in enumerate(parts):
@@ -112,8 +129,86 @@ def _multipliers(form: BlockMatrix | None = None):
     return parts, D
 
 
-def disk_program(form: Loop, a: float, b: float) -> Program:
-    """One P and D for the disk: [A+aI H]'P[A+aI H] - b^2 diag(P, 0) + [Cz Dw]'D[Cz Dw] - diag(0, D) < 0."""
+def shared_scaling(responses: np.ndarray, fixed: int = 0) -> tuple[float, np.ndarray]:
+    """One scaling for many responses: the least maximum of their scaled norms, nearly, and its 25 logarithms.
+
+    Parameters
+    ----------
+    responses : ndarray of complex, shape (m, 27 + fixed, 27 + fixed)
+    fixed : int, optional
+        Further channels at the end that are not scaled.
+    """
+    spread = np.vstack([SPREAD, np.zeros((fixed, MULTIPLIERS))])
+
+    def smooth(x: np.ndarray, power: float) -> tuple[float, np.ndarray]:
+        e = np.exp(spread @ x)
+        scaled = e[:, None] * responses / e
+        U, s, Vh = np.linalg.svd(scaled)
+        weight = (s / s.max()) ** power
+        value = s.max() * weight.sum() ** (1 / power)
+        slope = (U * (value / weight.sum() * weight / np.maximum(s, 1e-300))[:, None, :]) @ Vh
+        part = np.real(np.conj(slope) * scaled)
+        return value, ((part.sum(2) - part.sum(1)) @ spread).sum(0)
+
+    x = np.zeros(MULTIPLIERS)
+    for power in (4, 10, 30, 100):
+        x = minimize(smooth, x, args=(power,), jac=True, method="L-BFGS-B", options={"maxiter": 400}).x
+    e = np.exp(spread @ x)
+    return float(np.linalg.norm(e[:, None] * responses / e, 2, axis=(1, 2)).max()), x
+
+
+AXIS = np.array([0, 0.01, 0.02, 0.05, 0.08, *np.arange(0.1, 0.6, 0.025), 0.7, 0.8, 1, 1.3, 1.7, 2.5, 5, 20])
+
+
+def norm_scaling(form: Loop, gamma: float) -> tuple[float, np.ndarray]:
+    """One scaling for the norm condition at gamma: the scaled norm on the imaginary axis, and its logarithms."""
+    right, out = np.hstack([form.H, form.B]), np.vstack([form.Cz, form.C / gamma])
+    through = np.block([[form.Dw, form.Dd], [np.zeros((3, 30))]])
+    inner = np.linalg.solve(
+        1j * AXIS[:, None, None] * np.eye(12) - form.A, np.broadcast_to(right, (len(AXIS), *right.shape))
+    )
+    return shared_scaling(out @ inner + through, fixed=3)
+
+
+def norm_riccati(form: Loop, log_scale: np.ndarray, gamma: float) -> tuple[np.ndarray, np.ndarray]:
+    """P and multipliers of the norm condition at gamma for given scalings, from the Riccati equation of the lemma.
+
+    Raises
+    ------
+    ComputationError
+        If the equation has no stabilising solution: gamma is too small for the scalings.
+    """
+    d = gamma**2 * np.exp(2 * log_scale)
+    D = np.diag(d[OF_CHANNEL])
+    right = np.hstack([form.H, form.B])
+    Z, through = form.Cz, np.hstack([form.Dw, form.Dd])
+    weight = Z.T @ D @ Z + form.C.T @ form.C
+    R = through.T @ D @ through - np.diag(np.concatenate([d[OF_CHANNEL], np.full(3, gamma**2)]))
+    for lift in (1e-3, 1e-4, 1e-5, 1e-6):
+        try:
+            P = solve_continuous_are(
+                form.A, right, weight + lift * np.trace(weight) / 12 * np.eye(12), R, s=Z.T @ D @ through
+            )
+        except (np.linalg.LinAlgError, ValueError):
+            continue
+        P = (P + P.T) / 2
+        if np.linalg.eigvalsh(P)[0] > 0:
+            return P, d
+    raise ComputationError("norm", f"no solution of the Riccati equation at gamma {gamma}")
+
+
+def prepared(form: Loop, gamma: float) -> Loop:
+    """The balanced loop in coordinates fit for the norm and torque programs, from scalings that do for gamma."""
+    form = form.balanced()
+    _, log_scale = norm_scaling(form, gamma)
+    return form.rescaled(*norm_riccati(form, log_scale, gamma))
+
+
+def disk_program(form: Loop, a: float, b: float, level: bool = False) -> Program:
+    """One P and D for the disk: [A+aI H]'P[A+aI H] - b^2 diag(P, 0) + [Cz Dw]'D[Cz Dw] - diag(0, D) < 0.
+
+    With ``level`` the left side is pushed below -t I, P of trace 12, and t is maximised: its sign tells feasibility.
+    """
     P, (_, D) = symmetric("P", 12), _multipliers()
     V = np.hstack([form.A + a * np.eye(12), form.H])
     Z = np.hstack([form.Cz, form.Dw])
@@ -122,7 +217,13 @@ def disk_program(form: Loop, a: float, b: float) -> Program:
     F["state", "state"] = whole[:12, :12] - b * b * P
     F["state", "channel"] = whole[:12, 12:]
     F["channel", "channel"] = whole[12:, 12:] - D
-    return Program(subject_to=[F < 0, (P > 0).named("P > 0")], label="disk")
+    positive_P = (P > 0).named("P > 0")
+    if level:
+        t = scalar("t")
+        F["state", "state"] = F["state", "state"] + t * np.eye(12)
+        F["channel", "channel"] = F["channel", "channel"] + t * np.eye(CHANNELS)
+        return Program(minimise=-t, subject_to=[F < 0, positive_P, equal(trace(P), 12, "trace")], label="disk level")
+    return Program(subject_to=[F < 0, positive_P], label="disk")
 
 
 def norm_program(form: Loop, gamma: float | None = None) -> Program:

@@ -1,0 +1,233 @@
+"""Synthesis by smooth minimisation: gains and scalings together, on the worst case that the certificates speak of.
+
+The conditions of `papers.li2021.arcs` and `papers.li2021.robust`, read as functions of the gains, have gradients. Their
+largest scaled norms over the circle (a scaling a point) and over the imaginary axis (one scaling, performance channel
+included) are minimised by a quasi-Newton method; poles, static gain, torque and the flexible loop enter as
+one-sided penalties. What comes out is only a candidate: the certificates are made and checked afterwards.
+"""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.optimize import minimize
+
+from gainsay.errors import ComputationError
+from papers.li2021 import plant
+from papers.li2021.arcs import best_scaling
+from papers.li2021.robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop, loop
+
+GAINS = 72
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What a design is to reach; None leaves a wish out.
+
+    Parameters
+    ----------
+    delta_m : float
+        Gain variation at which the scaled norms are minimised.
+    gamma : float, optional
+        Bound on the norm for the shared scaling on the imaginary axis.
+    disk_radius, abscissa_flexible : float, optional
+        Nominal bounds on |s + a| over the poles of (10), and on the real parts of the flexible loop.
+    static_gain, torque : float, optional
+        Bounds on the norm of the static gain (rad/(N m)) and on the nominal torque from Table 1's start (N m).
+    """
+
+    delta_m: float
+    gamma: float | None = None
+    disk_radius: float | None = None
+    abscissa_flexible: float | None = None
+    static_gain: float | None = None
+    torque: float | None = None
+
+
+def pack(gains) -> np.ndarray:
+    """The 72 entries of A_f, B_f, C_f."""
+    return np.concatenate([np.ravel(gains.A), np.ravel(gains.B), np.ravel(gains.C)])
+
+
+def unpack(x: np.ndarray) -> SimpleNamespace:
+    """Gains from their 72 entries."""
+    return SimpleNamespace(A=x[:36].reshape(6, 6), B=x[36:54].reshape(6, 3), C=x[54:72].reshape(3, 6))
+
+
+class Objective:
+    """Value and gradient of the design objective in gains and logarithms of scalings.
+
+    Parameters
+    ----------
+    k : plant.Constants
+    wishes : Wishes
+    disk : tuple of float
+        (a, b).
+    start : ndarray, shape (6,)
+        x(0), for the torque.
+    nodes : int, optional
+        Points on the upper half circle, denser towards the origin.
+    power : float, optional
+        Exponent of the two smooth maxima (over singular values, and over points).
+    """
+
+    def __init__(self, k, wishes: Wishes, disk: tuple[float, float], start, nodes: int = 26, power: float = 14) -> None:
+        self.k, self.wishes, self.power = k, wishes, power
+        self.a, self.b = disk
+        self.start = np.concatenate([start, np.zeros(6)])
+        self.rigid, self.flexible = plant.rigid(k), plant.flexible(k)
+        circle = -self.a + self.b * np.exp(1j * np.pi * np.linspace(0, 1, nodes) ** 1.5)
+        axis = 1j * np.array([0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.8, 1, 1.5, 2.5, 5])
+        self.sets = [(circle, True, False)] + ([(axis, False, True)] if wishes.gamma else [])
+        self.lift = np.hstack([np.zeros((3, 3)), np.diag(np.abs(k.envelope).astype(float)), np.zeros((3, 6))])
+
+    def scalings(self, gains) -> np.ndarray:
+        """Starting values for the logarithms of the scalings."""
+        form, parts, x = loop(self.k, gains, self.wishes.delta_m), [], None
+        for z in self.sets[0][0]:
+            _, x = best_scaling(form.response(z), x)
+            parts.append(x)
+        if len(self.sets) > 1:
+            parts.append(np.mean(parts, axis=0))
+        return np.concatenate(parts)
+
+    def __call__(self, x: np.ndarray) -> tuple[float, np.ndarray]:
+        """Objective and gradient at (gains, logarithms of scalings)."""
+        gains, logs = unpack(x[:GAINS]), x[GAINS:].reshape(-1, MULTIPLIERS)
+        form = loop(self.k, gains, self.wishes.delta_m)
+        radius = np.abs(np.linalg.eigvals(form.A) + self.a).max()
+        if radius >= self.b:
+            return 1e3 * (1 + radius), np.zeros_like(x)
+        pull = SimpleNamespace(A=np.zeros((12, 12)), H=np.zeros((12, 27)), Cz=np.zeros((27, 12)), Dw=np.zeros((27, 27)))
+        direct = SimpleNamespace(A=np.zeros((6, 6)), B=np.zeros((6, 3)), C=np.zeros((3, 6)))
+        slopes = np.zeros_like(logs)
+        values, first = [], 0
+        for points, own, performance in self.sets:
+            rows = slice(first, first + (len(points) if own else 1))
+            first = rows.stop
+            values.append(self._set(form, points, logs[rows], performance, pull, slopes[rows]))
+        total = sum(values)
+        # the inertia rows are z = |Xi_J| x'', so they move with A and H
+        pull.A += self.lift.T @ pull.Cz[12:15]
+        pull.H += self.lift.T @ pull.Dw[12:15]
+        total += self._nominal(form, pull) + self._torque(form, gains, pull, direct) + self._flexible(gains, direct)
+        direct.A += pull.A[6:, 6:] + pull.H[6:, :6]
+        direct.B += pull.A[6:, :3] + pull.H[6:, 6:9]
+        direct.C += self.rigid.B.T @ pull.A[:6, 6:] + self.wishes.delta_m * pull.Cz[9:12, 6:]
+        return total, np.concatenate([pack(direct), slopes.ravel()])
+
+    def _set(self, form: Loop, points, logs, performance: bool, pull, slopes) -> float:
+        H, Cz, D = form.H, form.Cz, form.Dw
+        e = np.exp(logs[:, OF_CHANNEL])
+        if performance:
+            H = np.hstack([H, form.B])
+            Cz = np.vstack([Cz, form.C / self.wishes.gamma])
+            D = np.block([[form.Dw, form.Dd], [np.zeros((3, 30))]])
+            e = np.hstack([e, np.ones((len(e), 3))])
+        R = np.linalg.inv(points[:, None, None] * np.eye(12) - form.A)
+        RH, CR = R @ H, Cz @ R
+        scaled = e[:, :, None] * (Cz @ RH + D) / e[:, None, :]
+        U, s, Vh = np.linalg.svd(scaled)
+        weight = (s / s[:, :1]) ** self.power
+        value = s[:, 0] * weight.sum(1) ** (1 / self.power)
+        share = (value / value.max()) ** self.power
+        total = value.max() * share.mean() ** (1 / self.power)
+        outer = total * share / share.sum() / value
+        slope = (U * (outer * value / weight.sum(1))[:, None, None] * (weight / s)[:, None, :]) @ Vh
+        part = np.real(np.conj(slope) * scaled)
+        moved = (part.sum(2) - part.sum(1))[:, :27] @ SPREAD
+        slopes += moved if len(slopes) == len(points) else moved.sum(0, keepdims=True)
+        slope = e[:, :, None] * slope / e[:, None, :]
+        left, right = CR.conj().swapaxes(1, 2), RH.conj().swapaxes(1, 2)
+        pull.A += np.real(left @ slope @ right).sum(0)
+        pull.H += np.real(left @ slope).sum(0)[:, :27]
+        pull.Cz += np.real(slope @ right).sum(0)[:27]
+        pull.Dw += np.real(slope).sum(0)[:27, :27]
+        return float(total)
+
+    def _nominal(self, form: Loop, pull) -> float:
+        total = 0.0
+        if self.wishes.static_gain is not None:
+            X, Y = np.linalg.solve(form.A, form.B), np.linalg.solve(form.A.T, form.C.T)
+            U, s, Vh = np.linalg.svd(-form.C @ X)
+            excess = max(s[0] - self.wishes.static_gain, 0.0)
+            total += 300 * excess**2
+            pull.A += 600 * excess * np.outer(Y @ U[:, 0], X @ Vh[0])
+        if self.wishes.disk_radius is not None:
+            for value, left, right in _eigen(form.A):
+                distance = abs(value + self.a)
+                excess = distance - self.wishes.disk_radius
+                if excess > 0:
+                    total += 100 * excess**2
+                    pull.A += 200 * excess / distance * np.real(np.conj(value + self.a) * np.outer(left.conj(), right))
+        return total
+
+    def _flexible(self, gains, direct) -> float:
+        total = 0.0
+        if self.wishes.abscissa_flexible is not None:
+            m = len(self.flexible.A)
+            slope = np.zeros((m + 6, m + 6))
+            for value, left, right in _eigen(plant.closed_loop(self.flexible, gains)):
+                excess = value.real - self.wishes.abscissa_flexible
+                if excess > 0:
+                    total += 1e7 * excess**2
+                    slope += 2e7 * excess * np.real(np.outer(left.conj(), right))
+            direct.A += slope[m:, m:]
+            direct.B += slope[m:, :3]
+            direct.C += self.flexible.B.T @ slope[:m, m:]
+        return total
+
+    def _torque(self, form: Loop, gains, pull, direct, step: float = 0.05, count: int = 400) -> float:
+        if self.wishes.torque is None:
+            return 0.0
+        phi = expm(form.A * step)
+        states = np.empty((count, 12))
+        states[0] = self.start
+        for i in range(1, count):
+            states[i] = phi @ states[i - 1]
+        torque = states[:, 6:] @ gains.C.T
+        size = np.linalg.norm(torque, axis=1)
+        excess = np.maximum(size - self.wishes.torque, 0)
+        push = (6000 * step * excess / np.maximum(size, 1e-12))[:, None] * torque
+        direct.C += push.T @ states[:, 6:]
+        costate, slope = np.zeros(12), np.zeros((12, 12))
+        for i in range(count - 1, 0, -1):
+            costate = costate @ phi
+            costate[6:] += push[i] @ gains.C
+            slope += np.outer(costate, states[i - 1])
+        # adjoint of the derivative of expm, from the exponential of a block matrix
+        block = np.block([[form.A.T, slope / step], [np.zeros((12, 12)), form.A.T]]) * step
+        pull.A += expm(block)[:12, 12:] * step
+        return float(3000 * step * np.sum(excess**2))
+
+
+def _eigen(A: np.ndarray):
+    values, right = np.linalg.eig(A)
+    left = np.linalg.inv(right).conj().T
+    return [(values[j], left[:, j], right[:, j]) for j in range(len(values))]
+
+
+def improve(k, gains, wishes: Wishes, disk, start, rounds: int = 2, iterations: int = 400) -> SimpleNamespace:
+    """Gains that meet the wishes better, from given ones inside the disk.
+
+    Raises
+    ------
+    ComputationError
+        If the objective is no number at the start.
+    """
+    objective = Objective(k, wishes, disk, start)
+    for _ in range(rounds):
+        x = np.concatenate([pack(gains), objective.scalings(gains)])
+        unit = np.concatenate([np.maximum(np.abs(pack(gains)), 0.05), np.ones(x.size - GAINS)])
+        if not np.isfinite(objective(x)[0]):
+            raise ComputationError("design", "the objective is no number at the given gains")
+
+        def scaled(y, unit=unit):
+            value, slope = objective(y * unit)
+            return value, slope * unit
+
+        options = {"maxiter": iterations, "maxfun": 2 * iterations, "maxcor": 40}
+        found = minimize(scaled, x / unit, jac=True, method="L-BFGS-B", options=options)
+        gains = unpack((found.x * unit)[:GAINS])
+    return gains

@@ -1,0 +1,167 @@
+"""Formulas of the paper over its tables, for certificates, and the certificates of the paper's own conditions."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from gainsay.proof import Certificate, build
+
+#: (1)-(10) with the corrected Gamma_D and Gamma_G; E and W0 without their rows and columns of zeros
+PLANT = (
+    ("n", "number('orbital_rate')"),
+    ("a", "number('disk_centre')"),
+    ("b", "number('disk_radius')"),
+    ("r", "b**2 / a"),
+    ("J1", "number('J10')"),
+    ("J2", "number('J20')"),
+    ("J3", "number('J30')"),
+    ("d1", "number('inertia_share_1') * J1"),
+    ("d2", "number('inertia_share_2') * J2"),
+    ("d3", "number('inertia_share_3') * J3"),
+    ("F", "printed('F')"),
+    ("J0", "diag(J1, J2, J3)"),
+    ("M", "inverse(J0 - F.T @ F)"),
+    ("G0", "n**2 * diag(4*(J2 - J3), 3*(J1 - J3), J2 - J1)"),
+    ("turn", "[[0, 0, -1], [0, 0, 0], [1, 0, 0]]"),
+    ("D0", "n * (J1 + J3 - J2) * turn"),
+    ("A0", "[[zeros(3, 3), eye(3)], [-M @ G0, -M @ (D0 - n * F.T @ F @ turn)]]"),
+    ("B", "col(zeros(3, 3), M)"),
+    ("C", "row(eye(3), zeros(3, 3))"),
+    ("XJ", "diag(d1, d2, d3)"),
+)
+FACTORS = (
+    ("XD", "n * [[0, -d1, 0, -d3, 0, -d2], [0, 0, 0, 0, 0, 0], [d1, 0, d3, 0, d2, 0]]"),
+    ("XG", "n**2 * [[d2, 0, 0, 0, -4*d3, 0], [0, 0, 3*d1, 3*d3, 0, 0], [0, d2, 0, 0, 0, -d1]]"),
+)
+UNCERTAIN = (
+    *FACTORS,
+    ("L", "[[zeros(3, 6), zeros(3, 6)], [-M @ XG, -M @ XD]]"),
+    ("K", "diag(printed('GammaG'), printed('GammaD'))"),
+    ("W", "row(zeros(3, 3), XJ)"),
+)
+
+
+def blocks(names: tuple[str, ...], entries: Mapping[tuple[str, str], str]) -> str:
+    """Formula of a symmetric block matrix from its blocks on and above the diagonal; the others are zero."""
+    rows = []
+    for i, row in enumerate(names):
+        cells = []
+        for j, column in enumerate(names):
+            key = (row, column) if j >= i else (column, row)
+            cells.append("0" if key not in entries else entries[key] if j >= i else "...")
+        rows.append("[" + ", ".join(cells) + "]")
+    return "[" + ", ".join(rows) + "]"
+
+
+def symmetric(**sizes: int) -> dict:
+    """Declare symmetric unknowns by size."""
+    return {name: {"shape": [size, size], "structure": "symmetric"} for name, size in sizes.items()}
+
+
+def full(**shapes: tuple[int, int]) -> dict:
+    """Declare unknowns without structure by shape."""
+    return {name: {"shape": list(shape)} for name, shape in shapes.items()}
+
+
+def disk_block(case, S: np.ndarray | None = None) -> Certificate:
+    """(17) fails for all its scalars: multipliers of its rows 1a and 5a, which no scalar and no other unknown enters.
+
+    V11 = V with (A0 + aI) V (A0 + aI)' > b^2 V exists because no open-loop pole lies in D(a, b).
+    """
+    from scipy.linalg import solve_discrete_lyapunov
+
+    from papers.li2021 import plant
+
+    a, b = case.number("disk_centre"), case.number("disk_radius")
+    A = plant.rigid(plant.constants(case)).A + a * np.eye(6)
+    inverse = np.linalg.inv(A)
+    V = solve_discrete_lyapunov(b * inverse, inverse @ inverse.T)
+    V = (V + V.T) / 2
+    # slack keeps the multiplier inside the cone, and what multiplies S non-negative
+    room = 1e-4 * np.linalg.eigvalsh(A @ V @ A.T - b**2 * V)[0]
+    Z = np.block([[V, V @ A.T / a], [A @ V / a, A @ V @ A.T / a**2 + room * np.eye(6)]])
+    W = (A @ V @ A.T - b**2 * V) / a - a * room * np.eye(6)
+    entries = {
+        ("1a", "1a"): "-r*S + C.T @ C", ("1a", "5a"): "(A0 + a*eye(6)).T @ S", ("5a", "5a"): "-a*S",
+    }  # fmt: skip
+    return build.farkas(
+        id="eq17-infeasible",
+        paper=case.name,
+        tables=case,
+        claims=("theorem2-feasible",),
+        statement="Rows 1a and 5a of (17), [[-(b^2/a) S + C'C, (A0 + aI)'S], [., -aS]] < 0, have no solution S > 0: "
+        "they ask for the open-loop poles in D(a, b). No scalar of (17) and no other unknown enters them.",
+        definitions=PLANT,
+        unknowns=symmetric(S=6),
+        fields={"constraints": [["rows 1a, 5a", f"{blocks(('1a', '5a'), entries)} < 0"], ["S", "S > 0"]]},
+        multipliers={"rows 1a, 5a": Z, "S": W},
+        quantities={"feasible": "eq17.feasible"},
+        faith=(
+            "That the terms of (1,5) in C_f are those that Lemma 2 takes out of the lost matrix Xi, so that row 1a, "
+            "column 5a of (17) is A0'S + aS; with C_f left there the inequality would not be linear.",
+        ),
+    )
+
+
+def lemma3_blocks(lam: str, gamma: str) -> str:
+    """(12) after the change of variables, as `lmis.lemma3_synthesis`, nominal A; gamma stands for its square."""
+    names = ("y", "x", "e", "d", "w", "o", "py", "px")
+    entries = {
+        ("y", "y"): "-r*Y", ("y", "x"): "-r*eye(6)", ("x", "x"): "-r*X",
+        ("y", "e"): "-B", ("x", "e"): "-X @ B", ("y", "d"): "B", ("x", "d"): "X @ B",
+        ("y", "w"): f"{lam} * (W @ (A0 @ Y + B @ Ch)).T", ("x", "w"): f"{lam} * (W @ A0).T",
+        ("y", "o"): "Y @ C.T", ("x", "o"): "C.T",
+        ("y", "py"): "(A0 @ Y + B @ Ch + a*Y).T", ("y", "px"): "(Ah + a*eye(6)).T",
+        ("x", "py"): "(A0 + a*eye(6)).T", ("x", "px"): "(X @ A0 + Bh @ C + a*X).T",
+        ("e", "e"): f"-({lam})**2 * eye(3)", ("e", "w"): f"-{lam} * (W @ B).T",
+        ("d", "d"): f"-{gamma} * eye(3)", ("d", "w"): f"{lam} * (W @ B).T",
+        ("w", "w"): "-eye(3)", ("o", "o"): "-eye(3)",
+        ("py", "py"): "-a*Y", ("py", "px"): "-a*eye(6)", ("px", "px"): "-a*X",
+    }  # fmt: skip
+    return blocks(names, entries)
+
+
+def lemma3_uncertain_blocks(lam: str, gamma: str, eps1: str) -> str:
+    """The same with the border of the uncertainty Delta A = L Delta H K."""
+    inner = lemma3_blocks(lam, gamma)
+    border = (
+        f"[[{eps1} * Y @ K.T, zeros(6, 12)], [{eps1} * K.T, zeros(6, 12)], [zeros(6, 12), zeros(6, 12)], "
+        f"[zeros(3, 12), {lam} * W @ L], [zeros(3, 12), zeros(3, 12)], [zeros(6, 12), L], [zeros(6, 12), X @ L]]"
+    )
+    return f"[[{inner}, {border}], [..., -{eps1} * eye(24)]]"
+
+
+LEMMA3_UNKNOWNS = {**symmetric(X=6, Y=6), **full(Ah=(6, 6), Bh=(6, 3), Ch=(3, 6)), "g2": {}}
+
+
+def lemma3_point(case, name: str, values: Mapping, lam: str, *, quantity: str, claims=(), uncertain=False) -> Certificate:
+    """Gains exist with (12) at lambda: a point; its g2 bounds the square of the least gamma from above."""
+    form = lemma3_uncertain_blocks(lam, "g2", "number('eps1')") if uncertain else lemma3_blocks(lam, "g2")
+    return build.feasible_point(
+        id=name,
+        paper=case.name,
+        tables=case,
+        claims=claims,
+        statement=f"(12) has a solution over all gains at lambda = {lam} with gamma^2 = g2.",
+        definitions=(*PLANT, *UNCERTAIN),
+        unknowns=LEMMA3_UNKNOWNS,
+        fields={"constraints": [["(12)", f"{form} < 0"]], "minimise": "g2"},
+        point=dict(values),
+        quantities={"objective": quantity},
+    )
+
+
+def lemma3_bound(case, name: str, multiplier: np.ndarray, lam: str, *, quantity: str, uncertain=False) -> Certificate:
+    """No gains satisfy (12) at lambda with a smaller gamma^2, by multipliers."""
+    form = lemma3_uncertain_blocks(lam, "g2", "number('eps1')") if uncertain else lemma3_blocks(lam, "g2")
+    return build.dual_bound(
+        id=name,
+        paper=case.name,
+        tables=case,
+        statement=f"Whatever the gains, (12) at lambda = {lam} needs gamma^2 of at least the bound.",
+        definitions=(*PLANT, *UNCERTAIN),
+        unknowns=LEMMA3_UNKNOWNS,
+        fields={"constraints": [["(12)", f"{form} < 0"]], "minimise": "g2"},
+        multipliers={"(12)": multiplier},
+        quantities={"objective": quantity},
+    )
