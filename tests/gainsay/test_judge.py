@@ -18,16 +18,15 @@ SAMPLED = sorted(set(get_args(Kind)) - PROVED - {"remark"})
 class Tables:
     """What judging needs of a case: the declared quantities."""
 
-    quantities = {
-        name: Quantity(id=name, unit=unit, step="audit", meaning="m")
-        for name, unit in (("q", "m"), ("other", "m"), ("angle", "rad"), ("flag", "1"))
-    }
+    def __init__(self) -> None:
+        units = {"q": "m", "other": "m", "angle": "rad", "flag": "1"}
+        self.quantities = {q: Quantity(id=q, unit=unit, step="audit", meaning="m") for q, unit in units.items()}
 
 
 def claim(comparator="equal", published="1.50", kind="parameter", **more) -> Claim:
-    row = {"id": "c", "where": "(1)", "kind": kind, "statement": "s", "comparator": comparator, "quantity": "q",
-           "published": published, "unit": "m", "tolerance": "", "expected": "reproduced", "basis": "b", "note": ""}  # fmt: skip
-    return Claim(**{**row, **more})
+    given = {"kind": kind, "comparator": comparator, "published": published, "quantity": "q", "unit": "m", **more}
+    rest = {"id": "c", "where": "(1)", "statement": "s", "tolerance": "", "expected": "reproduced", "basis": "b"}
+    return Claim(**{**rest, "note": "", **given})
 
 
 def found(value, lower=None, upper=None) -> Found:
@@ -161,7 +160,8 @@ def test_samples_never_prove(kind, outcome):
         ("equal", "1", "holds", "reproduced"), ("equal", "1", "fails", "contradicted"),
         ("equal", "0", "holds", "contradicted"), ("equal", "0", "fails", "reproduced"),
         ("equal", "24", "fails", "failed"), ("equal", "2", "holds", "failed"), ("equal", "0.5", "fails", "failed"),
-        ("at_most", "1", "holds", "failed"), ("at_least", "1", "fails", "failed"), ("inside", "0..1", "holds", "failed"),
+        ("at_most", "1", "holds", "failed"), ("at_least", "1", "fails", "failed"),
+        ("inside", "0..1", "holds", "failed"),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("kind", ["identity", "feasibility", "stability"])
