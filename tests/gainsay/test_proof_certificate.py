@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from gainsay.errors import CertificateError
 from gainsay.proof import Certificate, Conclusion, MappingTables, build, check, check_file
+from gainsay.proof.certificate import _digest
 from gainsay.tables import read_case
 
 CLAIM = {"where": "(1)", "kind": "stability", "statement": "The loop is stable.", "quantity": "loop.abscissa"}
@@ -234,6 +235,30 @@ def test_any_change_of_one_text_is_refused_or_proves_the_same(data):
         for conclusion in proof.conclusions:
             assert conclusion.relation in ("less_than", "at_most", "holds")
             assert conclusion.value is None or float(conclusion.value) > -1
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers(-3, 10**6) | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=4), inner, max_size=2),
+    max_leaves=4,
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.data())
+def test_whatever_stands_in_a_certificate_is_refused_in_one_line_or_accepted(data):
+    body = json.loads(example().to_json())
+    del body["digest"]
+    place, key = body, data.draw(st.sampled_from(sorted(body)))
+    while isinstance(place[key], dict | list) and place[key] and data.draw(st.booleans()):
+        place = place[key]
+        key = data.draw(st.sampled_from(sorted(place) if isinstance(place, dict) else range(len(place))))
+    place[key] = data.draw(JSON)
+    text = json.dumps({**body, "digest": _digest(body)})
+    try:
+        check(Certificate.from_json(text), tables())
+    except CertificateError as error:
+        assert "\n" not in str(error)
 
 
 def test_checking_imports_no_solver_and_no_paper():

@@ -16,6 +16,7 @@ from gainsay.exact.rational import rational_matrix, to_fmpq
 __all__ = ["Matrix", "RingError", "block", "diagonal", "eye", "kron", "zeros"]
 
 RATIONAL, BALL, POLYNOMIAL = "rational", "ball", "polynomial"
+LARGEST = 1000
 
 
 class RingError(ValueError):
@@ -296,6 +297,8 @@ def block(rows: Sequence[Sequence[Matrix | None]]) -> Matrix:
 
     heights = [max((m.shape[0] for m in line if not fills(m)), default=1) for line in grid]
     widths = [max((line[j].shape[1] for line in grid if not fills(line[j])), default=1) for j in range(count)]
+    if sum(heights) > LARGEST or sum(widths) > LARGEST:
+        raise RingError(f"a matrix of shape {(sum(heights), sum(widths))}: the largest side is {LARGEST}")
     flat = []
     for i, line in enumerate(grid):
         for j, entry in enumerate(line):
@@ -322,4 +325,7 @@ def diagonal(blocks: Sequence[Matrix]) -> Matrix:
 
 def kron(left: Matrix, right: Matrix) -> Matrix:
     """Kronecker product."""
+    shape = tuple(a * b for a, b in zip(left.shape, right.shape, strict=True))
+    if max(shape) > LARGEST:
+        raise RingError(f"a matrix of shape {shape}: the largest side is {LARGEST}")
     return block([[right.scaled(Matrix.number(x)) for x in row] for row in left.rows()])

@@ -17,7 +17,7 @@ from gainsay.exact.linear import Unsolvable, complete
 from gainsay.exact.matrix import BALL, Matrix
 from gainsay.exact.rational import float_rows, shorten, to_fmpq, to_text
 from gainsay.proof import checker
-from gainsay.proof.certificate import FORMULAS_ON_FAITH, Certificate, Conclusion
+from gainsay.proof.certificate import ON_FAITH, Certificate, Conclusion
 from gainsay.proof.duality import constraints
 from gainsay.proof.scope import Scope, has_structure, positions
 
@@ -115,7 +115,7 @@ def certificate(
         definitions=_pairs(definitions),
         unknowns=unknowns or {},
         claims=tuple(claims),
-        faith=(FORMULAS_ON_FAITH, *faith),
+        faith=(*ON_FAITH, *faith),
         precision=precision,
     )
 

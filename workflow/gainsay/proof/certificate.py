@@ -7,7 +7,7 @@ Format, version 1 (keys sorted, two spaces, UTF-8, a final newline; the same cer
 ``version``     1
 ``id, paper``   the certificate's own id, and the paper's folder name
 ``claims``      ids of the claims that it bears on
-``statement``   one sentence for people; that it says what the conclusions say stays on faith
+``statement``   one sentence for people; that it says what the conclusions say is on faith
 ``kind``        the kind of proof: a module of `gainsay.proof.kinds`, whose docstring states the theorem
 ``precision``   bits of the balls
 ``definitions`` list of [name, formula], each over the tables, the unknowns and the names before it
@@ -45,7 +45,11 @@ _KEYS = (
     *("unknowns", "fields", "witness", "data", "conclusions", "faith", "digest"),
 )
 
-FORMULAS_ON_FAITH = "That the formulas of this certificate are those of the paper."
+# What no check covers, in any certificate.
+ON_FAITH = (
+    "That the formulas of this certificate are those of the paper.",
+    "That the quantities it concludes on are what its formulas describe.",
+)
 
 
 @dataclass(frozen=True)
@@ -84,7 +88,7 @@ class Certificate:
     witness: Mapping[str, Any] = field(default_factory=dict)
     claims: Sequence[str] = ()
     conclusions: Sequence[Conclusion] = ()
-    faith: Sequence[str] = (FORMULAS_ON_FAITH,)
+    faith: Sequence[str] = ON_FAITH
     data: Mapping[str, Any] = field(default_factory=dict)
     precision: int = 128
 

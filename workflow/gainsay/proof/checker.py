@@ -9,12 +9,12 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from gainsay.errors import CertificateError
+from gainsay.errors import CertificateError, GainsayError
 from gainsay.exact.ball import precision
 from gainsay.exact.matrix import RingError
 from gainsay.exact.rational import exact
 from gainsay.proof import kinds
-from gainsay.proof.certificate import FORMULAS_ON_FAITH, Certificate, Conclusion
+from gainsay.proof.certificate import ON_FAITH, Certificate, Conclusion
 from gainsay.proof.kinds import Proved
 from gainsay.proof.scope import CaseTables, Scope, adapted
 
@@ -193,6 +193,25 @@ def check(certificate: Certificate, tables: Any) -> Proof:
     CertificateError
         In one line, with the certificate's id, what does not match or is not proved.
     """
+    try:
+        return _check(certificate, tables)
+    except GainsayError:
+        raise
+    except (
+        ArithmeticError,
+        AssertionError,
+        AttributeError,
+        LookupError,
+        RecursionError,
+        TypeError,
+        ValueError,
+    ) as error:
+        raise CertificateError(
+            f"{certificate.id}: malformed ({type(error).__name__}: {error})".replace("\n", " ")
+        ) from error
+
+
+def _check(certificate: Certificate, tables: Any) -> Proof:
     owner = certificate.id
     paper = getattr(tables, "name", certificate.paper)
     if paper != certificate.paper:
@@ -217,7 +236,7 @@ def check(certificate: Certificate, tables: Any) -> Proof:
         if hasattr(reader, "has_quantity") and not reader.has_quantity(conclusion.quantity):
             raise CertificateError(f"{owner}: quantity {conclusion.quantity!r} is not declared in quantities.csv")
     _about_claims(certificate)
-    faith = tuple(dict.fromkeys((FORMULAS_ON_FAITH, *certificate.faith)))
+    faith = tuple(dict.fromkeys((*ON_FAITH, *certificate.faith)))
     return Proof(
         id=owner,
         paper=certificate.paper,
