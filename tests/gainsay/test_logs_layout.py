@@ -1,4 +1,5 @@
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -57,7 +58,7 @@ def test_demo_layout_fits_its_log(log):
         (Scene("S", "eci", elements=("path",)), "no frame 'eci'"),
         (Scene("S", "lvlh", elements=("paths",)), "no element 'paths'"),
         (Scene("S", "lvlh", axes=("chaser_lvlh",)), "no element 'axes_chaser_lvlh'"),
-        (Scene("S", "lvlh", elements=("path",), follow="x"), "no frame 'x'"),
+        (Scene("S", "lvlh", elements=("path",), axes=("x",), follow="x"), "no frame 'x'"),
         (Scene("S", "lvlh"), "nothing to draw"),
     ],
 )
@@ -95,6 +96,7 @@ def test_empty_topics_events_and_loose_frames_are_found(tmp_path):
         lambda: Line("/a", "x", "", "axis_1"),
         lambda: Line("/a", "x.y", "x", "axis_1"),
         lambda: Line("a", "x", "x", "axis_1"),
+        lambda: Scene("S", "lvlh", follow="chaser"),
         lambda: Rows(),
         lambda: Rows(plot(), shares=(1, 2)),
         lambda: Columns(plot(), shares=(0,)),
@@ -135,8 +137,9 @@ def test_foxglove_layout_has_every_panel_once_and_resolves(log):
     assert [tab["title"] for tab in tabs] == ["Approach", "About"]
     shown = [name for tab in tabs for name in leaves(tab["layout"])]
     assert sorted([*shown, made["layout"]]) == sorted(panels)
-    kinds = {Plot: "Plot", Scene: "3D", Text: "Markdown", EventLog: "RosOut"}
-    assert [name.split("!")[0] for name in shown] == [kinds[type(panel)] for panel in LAYOUT.panels()]
+    kinds = {Plot: "Plot", Scene: "3D", EventLog: "RosOut"}
+    expected = [kinds[type(panel)] for panel in LAYOUT.panels() if not isinstance(panel, Text)]
+    assert [name.split("!")[0] for name in shown] == expected
     for name, config in panels.items():
         for path in config.get("paths", []):
             topic, field = path["value"].rsplit(".", 1)
@@ -146,6 +149,25 @@ def test_foxglove_layout_has_every_panel_once_and_resolves(log):
             assert log.kind(topic) == "scene"
     values = [path["value"] for path in panels["Plot!plot2"]["paths"]]
     assert {f"/bounds/{b}.{s}" for b in ("thrust_xy", "thrust_z") for s in ("lower", "upper")} <= set(values)
+
+
+def test_a_tab_of_text_alone_is_left_out(log):
+    """Open Foxglove-compatible viewers have no panel for text; splits close over the gap."""
+    page = Text("Page", "words")
+    layout = Layout("demo", (Tab("A", Columns(page, page)), Tab("B", Rows(page, plot(), page, plot()))))
+    (tab,) = json.loads(foxglove_layout(layout, log))["configById"]["Tab!tab1"]["tabs"]
+    assert tab["title"] == "B"
+    assert leaves(tab["layout"]) == ["Plot!plot1", "Plot!plot2"]
+
+
+def test_the_camera_looks_from_where_the_eye_is(log):
+    """Foxglove's camera: -r sin(phi) sin(theta), -r sin(phi) cos(theta), r cos(phi) from the target."""
+    eye = (3000.0, -4000.0, 1200.0)
+    panels = json.loads(foxglove_layout(one(Scene("S", "lvlh", ("path",), eye=eye)), log))["configById"]
+    camera = panels["3D!3d1"]["cameraState"]
+    phi, theta, r = math.radians(camera["phi"]), math.radians(camera["thetaOffset"]), camera["distance"]
+    place = (-r * math.sin(phi) * math.sin(theta), -r * math.sin(phi) * math.cos(theta), r * math.cos(phi))
+    assert place == pytest.approx(eye)
 
 
 def test_shares_become_percentages(log):

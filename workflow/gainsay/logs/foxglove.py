@@ -1,4 +1,7 @@
-"""Layout file for Foxglove-compatible viewers (Lichtblick, Foxglove), made from the same `Layout`."""
+"""Layout file for Foxglove-compatible viewers (Lichtblick, Foxglove), made from the same `Layout`.
+
+Text pages are left out: the open viewers have no panel for text.
+"""
 
 import json
 from math import acos, atan2, degrees, hypot
@@ -35,16 +38,18 @@ def foxglove_layout(layout: Layout, log: Log) -> str:
 class _Builder:
     def __init__(self, log: Log) -> None:
         self.sides = {name: tuple(sides) for name, sides in log.bounds.items()}
+        self.duration = log.duration
         self.panels: dict[str, dict] = {}
 
     def build(self, layout: Layout) -> dict:
-        tabs = [{"title": tab.title, "layout": self.tree(tab.content)} for tab in layout.tabs]
+        trees = [(tab.title, self.tree(tab.content)) for tab in layout.tabs]
+        tabs = [{"title": title, "layout": tree} for title, tree in trees if tree is not None]
         top = self.add("Tab", {"activeTabIdx": 0, "tabs": tabs})
         return {
             "configById": self.panels,
             "globalVariables": {},
             "userNodes": {},
-            "playbackConfig": {"speed": 1},
+            "playbackConfig": {"speed": 5 if self.duration > 60.0 else 1},
             "layout": top,
         }
 
@@ -54,20 +59,25 @@ class _Builder:
         self.panels[name] = config
         return name
 
-    def tree(self, item: Item) -> str | dict:
-        """Panel id, or nested splits of two: the format has no splits of more."""
+    def tree(self, item: Item) -> str | dict | None:
+        """Panel id, or nested splits of two (the format has no splits of more); None where only text would be."""
+        if isinstance(item, Text):
+            return None
         if not isinstance(item, Rows | Columns):
             return self.panel(item)
-        return self.split("column" if isinstance(item, Rows) else "row", list(item.items), list(item.shares))
+        parts = [(self.tree(part), share) for part, share in zip(item.items, item.shares, strict=True)]
+        return self.split(
+            "column" if isinstance(item, Rows) else "row", [part for part in parts if part[0] is not None]
+        )
 
-    def split(self, direction: str, items: list[Item], shares: list[float]) -> str | dict:
-        if len(items) == 1:
-            return self.tree(items[0])
+    def split(self, direction: str, parts: list[tuple[str | dict, float]]) -> str | dict | None:
+        if len(parts) < 2:
+            return parts[0][0] if parts else None
         return {
             "direction": direction,
-            "first": self.tree(items[0]),
-            "second": self.split(direction, items[1:], shares[1:]),
-            "splitPercentage": round(100.0 * shares[0] / sum(shares), 3),
+            "first": parts[0][0],
+            "second": self.split(direction, parts[1:]),
+            "splitPercentage": round(100.0 * parts[0][1] / sum(share for _, share in parts), 3),
         }
 
     def panel(self, panel: Panel) -> str:
@@ -76,10 +86,6 @@ class _Builder:
                 return self.add("Plot", self.plot(panel))
             case Scene():
                 return self.add("3D", self.scene(panel))
-            case Text():
-                return self.add(
-                    "Markdown", {"foxglovePanelTitle": panel.title, "fontSize": 14, "markdown": panel.markdown}
-                )
             case EventLog():
                 return self.add(
                     "RosOut", {"foxglovePanelTitle": panel.title, "topicToRender": "/events", "searchTerms": []}
@@ -92,7 +98,7 @@ class _Builder:
             "paths": [self.path(line) for line in (*plot.lines, *bound_lines(plot, self.sides))],
             "xAxisVal": "timestamp",
             "showLegend": True,
-            "legendDisplay": "top",
+            "legendDisplay": "floating",
             "isSynced": True,
             "showXAxisLabels": True,
             "showYAxisLabels": True,
@@ -107,7 +113,7 @@ class _Builder:
             "timestampMethod": "receiveTime",
             "label": line.label,
             "color": role(line.role).on_dark,
-            "lineSize": 1.5 * role(line.role).width,
+            "lineSize": 1.2 * role(line.role).width,
             "showLine": True,
         }
 
@@ -117,7 +123,10 @@ class _Builder:
             "foxglovePanelTitle": scene.title,
             "followTf": scene.follow or scene.frame,
             "followMode": "follow-pose" if not scene.follow else "follow-position",
-            "scene": {"transforms": {"enablePreloading": True, "axisScale": 0}, "labelScaleFactor": 1},
+            "scene": {
+                "transforms": {"enablePreloading": True, "axisScale": 0, "lineWidth": 0, "showLabel": False},
+                "labelScaleFactor": 1,
+            },
             "transforms": {},
             "topics": {topic: {"visible": True} for topic in scene.topics},
             "layers": {},
@@ -135,7 +144,7 @@ def _camera(eye: tuple[float, float, float]) -> dict:
         "perspective": True,
         "distance": distance,
         "phi": degrees(acos(z / distance)),
-        "thetaOffset": degrees(atan2(x, -y)),
+        "thetaOffset": degrees(atan2(-x, -y)),
         "targetOffset": [0, 0, 0],
         "target": [0, 0, 0],
         "targetOrientation": [0, 0, 0, 1],

@@ -101,6 +101,8 @@ class Scene:
     def __post_init__(self) -> None:
         object.__setattr__(self, "elements", tuple(self.elements))
         object.__setattr__(self, "axes", tuple(self.axes))
+        if self.follow and self.follow not in self.axes:
+            raise InputError(f"scene {self.title!r} follows", value=self.follow, expected="a frame of its axes")
 
     @property
     def topics(self) -> tuple[str, ...]:
