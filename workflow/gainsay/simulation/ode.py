@@ -94,7 +94,7 @@ def integrate(
             right_hand_side, (time, end), state, method, rtol=rtol, atol=atol, dense_output=True, events=kinks or None
         )
         if found.status < 0:
-            raise ComputationError("integration", f"{method} gave up at t = {found.t[-1]!r} s: {found.message}")
+            raise ComputationError("integration", f"{method} gave up at t = {float(found.t[-1])!r} s: {found.message}")
         pieces.append(found.sol)
         steps.append(found.t[1:])
         time, state = float(found.t[-1]), found.y[:, -1]
