@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from gainsay.errors import ComputationError
+from gainsay.simulation import ode
 from gainsay.simulation.ode import integrate, largest, last_crossing
 
 
@@ -62,21 +63,20 @@ def test_saturated_feedback_reaches_the_time_of_its_closed_form(limit, start):
 
 
 def test_a_kink_at_the_very_start_or_end_does_no_harm():
-    found = integrate(
-        lambda t, x: np.array([1.0]), np.zeros(1), 1.0, kinks=(lambda t, x: x[0], lambda t, x: x[0] - 1.0)
-    )
+    ends = (lambda t, x: x[0], lambda t, x: x[0] - 1.0)
+    found = integrate(lambda t, x: np.array([1.0]), np.zeros(1), 1.0, kinks=ends)
     assert found(1.0)[0] == pytest.approx(1.0, abs=1e-12)
     assert found.ends[-1] == 1.0
 
 
 def test_the_largest_value_is_located_between_steps():
-    # |x1| of x1 = sin t is largest at pi/2 (or 3 pi/2); of damped exp(-t/10) sin t at atan(10).
+    # sin t is largest at pi/2, exp(-t/10) sin t at atan(10); the dense output, of order 7, errs by some 1e-11.
     found = integrate(oscillator, np.array([0.0, 1.0]), 2.0)
-    assert largest(found, first) == (pytest.approx(math.pi / 2, abs=1e-6), pytest.approx(1.0, abs=1e-12))
+    assert largest(found, first) == (pytest.approx(math.pi / 2, abs=1e-5), pytest.approx(1.0, abs=1e-10))
     damped = integrate(lambda t, x: np.array([x[1], -1.01 * x[0] - 0.2 * x[1]]), np.array([0.0, 1.0]), 20.0)
     peak = math.atan(10)
     assert largest(damped, first) == (
-        pytest.approx(peak, abs=1e-6), pytest.approx(math.exp(-peak / 10) * math.sin(peak), abs=1e-12)
+        pytest.approx(peak, abs=1e-5), pytest.approx(math.exp(-peak / 10) * math.sin(peak), abs=1e-10)
     )  # fmt: skip
 
 
@@ -124,10 +124,11 @@ def test_an_integration_that_gives_up_says_when():
         integrate(lambda t, x: x**2, np.array([1.0]), 2.0)
 
 
-def test_a_right_hand_side_that_chatters_is_refused():
+def test_a_right_hand_side_that_chatters_is_refused(monkeypatch):
+    monkeypatch.setattr(ode, "_MAX_KINKS", 100)
     # Kinks that accumulate (x = -sign x sticks at 0) must end in an error, not in a loop without end.
     with pytest.raises(ComputationError, match="kinks before"):
-        integrate(lambda t, x: -np.sign(x) - 1e-3 * 0, np.array([1.0]), 10.0, kinks=(lambda t, x: x[0],))
+        integrate(lambda t, x: -np.sign(x), np.array([1.0]), 10.0, kinks=(lambda t, x: x[0],))
 
 
 def test_two_integrations_are_the_same_to_the_bit():
