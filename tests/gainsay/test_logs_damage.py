@@ -163,7 +163,7 @@ def test_a_flip_in_a_chunk_names_the_chunk(whole, tmp_path):
         read_log(path)
 
 
-@pytest.mark.parametrize("change", ["drop", "double", "swap", "foreign"])
+@pytest.mark.parametrize("change", ["drop", "double", "swap", "foreign", "shorten"])
 def test_whole_chunks_moved_under_right_checksums(whole, tmp_path, change):
     """CRCs put right again do not help: message numbers, schemas and counts tell."""
     data, other = whole[1], whole[0]
@@ -179,6 +179,7 @@ def test_whole_chunks_moved_under_right_checksums(whole, tmp_path, change):
         "double": head + one + one + between + two + tail,
         "swap": head + two + between + one + tail,
         "foreign": head + other[start:end] + between + two + tail,
+        "shorten": data[: chunks[-1][1]],
     }[change]
     path = tmp_path / "moved.mcap"
     path.write_bytes(resealed(data, head + one + between + two + tail))
