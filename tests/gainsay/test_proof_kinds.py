@@ -4,10 +4,14 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from flint import fmpq, fmpq_poly
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import linalg
 
 from gainsay.errors import CertificateError
 from gainsay.proof import MappingTables, build, check
+from gainsay.proof.kinds.positive_on_interval import roots_between
 
 A = np.array([[0.0, 1.0], [-2.0, -3.0]])  # (s + 1)(s + 2)
 I = np.eye(2)  # noqa: E741
@@ -358,3 +362,73 @@ def test_farkas_over_a_box_of_printed_digits():
     fields["constraints"][1] = ["small", "y <= 1.99"]
     with pytest.raises(CertificateError):
         build.farkas(fields=fields, multipliers=multipliers, **common)
+
+
+def test_positive_on_an_interval():
+    t = {"t": {}}
+    make("positive_on_interval", {"constraint": "t**2 - 2*t + 1.001 > 0", "low": "-5", "high": "5"}, unknowns=t)
+    refused(
+        "positive_on_interval", {"constraint": "t**2 - 2*t + 1 > 0", "low": "-5", "high": "5"}, unknowns=t
+    )  # (t - 1)^2
+    make("positive_on_interval", {"constraint": "t**2 - 2 < 0", "low": "-1.414", "high": "1.414"}, unknowns=t)
+    refused("positive_on_interval", {"constraint": "t**2 - 2 < 0", "low": "-1.414", "high": "1.415"}, unknowns=t)
+    # eigenvalues 1 + t and 1 - t
+    make("positive_on_interval", {"constraint": "[[1, t], [..., 1]] > 0", "low": "-0.999", "high": "0.999"}, unknowns=t)
+    refused("positive_on_interval", {"constraint": "[[1, t], [..., 1]] > 0", "low": "-0.999", "high": "1"}, unknowns=t)
+    # negative definite beyond 1 in both eigenvalues of diag(1 - t, 1 - t): the determinant only touches zero
+    refused("positive_on_interval", {"constraint": "(1 - t)*eye(2) > 0", "low": "0", "high": "2"}, unknowns=t)
+    refused("positive_on_interval", {"constraint": "t*u > 0", "low": "0", "high": "2"}, unknowns={**t, "u": {}})
+
+
+@given(st.lists(st.integers(-5, 5), min_size=1, max_size=5), st.integers(-6, 5), st.integers(0, 6))
+def test_sturm_counts_the_roots_put_in(roots, low, width):
+    product = fmpq_poly([1, 0, 1])  # 1 + t^2 has no real root
+    for root in roots:
+        product = product * fmpq_poly([-root, 1])
+    low, high = fmpq(2 * low + 1, 2), fmpq(2 * (low + width) + 1, 2)  # halves: never a root
+    assert roots_between(product, low, high) == len({r for r in roots if low < r < high})
+
+
+def test_contour_of_a_disk_reaches_the_exact_radius():
+    # (s + 1)(s + 2) + lambda = 0, |lambda| <= 1: |s + 1.5| is largest at lambda = -1, sqrt(1.25) = 1.1180...
+    p = linalg.solve_discrete_lyapunov(((A + 1.5 * I) / 1.12).T, I)
+    lft = {"A": SIMPLE, "H": "col(0, 1)", "Cz": "row(1, 0)", "blocks": [["full", 1, 1]], "arcs": ["0", "0.5", "1"]}
+    witness = {"P": p, "d": [["1"], ["1"]]}
+    certificate = make("contour", {**lft, "shift": "1.5", "radius": "1.12"}, witness)
+    assert proved(certificate) == {("radius", "less_than", "1.12"), ("stable", "holds", None)}
+    assert "arc 1" in refused("contour", {**lft, "shift": "1.5", "radius": "1.115"}, witness)
+    refused("contour", {**lft, "arcs": ["0", "0.5"], "shift": "1.5", "radius": "1.12"}, witness)
+    refused("contour", {**lft, "arcs": ["0", "0.5", "0.5", "1"], "shift": "1.5", "radius": "1.12"}, witness)
+    refused("contour", {**lft, "shift": "1.5", "radius": "1.12"}, {**witness, "d": [["1"], ["-1"]]})
+    refused("contour", {**lft, "shift": "1.5", "radius": "1.12"}, {**witness, "g": [["1"], ["0"]]})
+    refused("contour", {**lft, "Dw": "1", "shift": "1.5", "radius": "1.12"}, witness)
+
+
+def test_contour_uses_that_a_parameter_is_real():
+    # x'' = -(1 + 0.9 lambda) x - 0.2 x' is stable for real |lambda| <= 1, not for complex (|M| > 1 near resonance)
+    plant = np.array([[0.0, 1.0], [-1.0, -0.2]])
+    p = linalg.solve_continuous_lyapunov(plant.T, -I)
+    fields = {
+        "A": "[[0, 1], [-1, -0.2]]",
+        "H": "col(0, 0.9)",
+        "Cz": "row(-1, 0)",
+        "blocks": [["repeated", 1]],
+        "arcs": ["0", "1"],
+        "alpha": "0",
+        "scale": "1",
+    }
+    witness = {"P": p, "d": [["1"]], "g": [["10"]]}
+    assert ("stable", "holds", None) in proved(make("contour", fields, witness))
+    refused("contour", fields, {**witness, "g": [["0"]]})
+    refused("contour", fields, {**witness, "g": [["-10"]]})
+    refused("contour", {**fields, "H": "col(0, 1.1)"}, witness)  # unstable at lambda = -1
+    refused("contour", {**fields, "blocks": [["full", 1, 1]]}, witness)
+
+
+def test_contour_bounds_a_norm_for_every_parameter():
+    # 1/(s^2 + 3 s + 2 + 0.1 lambda): largest norm 1/1.9 = 0.5263... at lambda = -1
+    p = linalg.solve_continuous_lyapunov(A.T, -2 * I)
+    lft = {"H": "col(0, 0.1)", "Cz": "row(1, 0)", "blocks": [["repeated", 1]], "arcs": ["0", "1"]}
+    fields = {**SYSTEM, **lft, "alpha": "0", "scale": "1", "gamma": "0.528"}
+    assert ("norm", "less_than", "0.528") in proved(make("contour", fields, {"P": p, "d": [["0.053"]]}))
+    refused("contour", {**fields, "gamma": "0.526"}, {"P": p, "d": [["0.053"]]})
