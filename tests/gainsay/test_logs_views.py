@@ -2,8 +2,10 @@
 
 import io
 import json
+import os
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -36,8 +38,6 @@ def test_usage_statistics_are_off_in_every_call():
 
 
 def test_the_environment_comes_back():
-    import os
-
     before = dict(os.environ)
     with quiet():
         assert os.environ["XDG_CONFIG_HOME"] != before.get("XDG_CONFIG_HOME")
@@ -123,6 +123,25 @@ def test_view_opens_the_run_and_ends_its_own_child(root, monkeypatch, capsys):
     script.write_text("#!/bin/sh\nexit 7\n")
     assert commands.view(root, "demo", "spiral", web=True) == 3
     assert "ended with code 7" in capsys.readouterr().err
+
+
+def test_a_terminated_view_takes_its_viewer_along(root):
+    script = root / "waiting"
+    script.write_text(f"#!/bin/sh\necho $$ > {root}/pid\nexec sleep 60\n")
+    script.chmod(0o755)
+    code = (
+        "import sys; from pathlib import Path; from gainsay.logs import commands;"
+        "commands.rerun_binary = lambda: sys.argv[2]; commands.view(Path(sys.argv[1]), 'demo', 'spiral')"
+    )
+    command = subprocess.Popen([sys.executable, "-c", code, str(root), str(script)])
+    pid = root / "pid"
+    limit = time.monotonic() + 20.0
+    while not (pid.exists() and pid.read_text().strip()) and time.monotonic() < limit:
+        time.sleep(0.02)
+    command.terminate()
+    assert command.wait(timeout=10.0) == 143
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(pid.read_text()), 0)
 
 
 def test_pictures_of_what_cannot_be_opened_are_not_checked(root, tmp_path, monkeypatch, capsys):

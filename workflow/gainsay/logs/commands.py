@@ -5,6 +5,7 @@ input raises InputError, which the command line turns into 2.
 """
 
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterable
@@ -96,6 +97,8 @@ def _open(rrd: Path, web: bool) -> int:
     with quiet() as environment:
         environment.pop("RUST_LOG", None)  # the address of the web viewer is told as information
         viewer = subprocess.Popen(arguments, env=environment)
+        # A terminated command must not leave its viewer behind: end it by its own process id.
+        before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
         try:
             code = viewer.wait()
         except KeyboardInterrupt:
@@ -104,6 +107,7 @@ def _open(rrd: Path, web: bool) -> int:
             if viewer.poll() is None:
                 viewer.terminate()
                 viewer.wait()
+            signal.signal(signal.SIGTERM, before)
     if code != 0:
         hint = "" if web or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") else "; no screen: try --web"
         print(f"not shown: the viewer ended with code {code}{hint}", file=sys.stderr)

@@ -46,7 +46,7 @@ LAYOUT = Layout(
                     "lvlh",
                     elements=("path", "target", "chaser", "thrust"),
                     axes=("lvlh", "chaser"),
-                    eye=(5200.0, -5600.0, 4200.0),
+                    eye=(6800.0, -7000.0, 5000.0),
                 ),
                 Rows(
                     Plot(
