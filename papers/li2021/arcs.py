@@ -89,14 +89,35 @@ def largest_delta(build, a: float, b: float, low: float, high: float) -> tuple[f
 
 @dataclass(frozen=True)
 class Arc:
-    """A certified arc: rational half-angle tangents of its ends, multipliers, Hermitian P and Q >= 0 (balanced)."""
+    """A certified arc between two nodes, in the coordinates of its loop.
+
+    Attributes
+    ----------
+    first, last : tuple
+        Its ends, as `node` gives them.
+    multipliers : ndarray, shape (25,)
+    weight : float
+        w >= 0 in Q = w Cz' D Cz.
+    P : ndarray of complex, shape (12, 12)
+        Hermitian.
+    margin : float
+        Least eigenvalue of the negative of `matrix`, its diagonal scaled to one.
+    """
 
     first: tuple[Fraction, bool]
     last: tuple[Fraction, bool]
     multipliers: np.ndarray
+    weight: float
     P: np.ndarray
-    Q: np.ndarray
     margin: float
+
+    def original(self, form: Loop) -> tuple[np.ndarray, np.ndarray]:
+        """P and multipliers in the coordinates of the paper."""
+        inv = np.linalg.inv(form.T)
+        c = np.zeros(MULTIPLIERS)
+        c[OF_CHANNEL] = form.channel
+        P = inv.T @ self.P @ inv
+        return (P + P.conj().T) / 2, self.multipliers / c**2
 
 
 def node(angle: float) -> tuple[Fraction, bool]:
@@ -112,65 +133,64 @@ def point(place: tuple[Fraction, bool]) -> tuple[Fraction, Fraction]:
     return (-c if mirrored else c), 2 * t / (1 + t * t)
 
 
-def matrix(form: Loop, a: float, b: float, ends, multipliers, P, Q) -> np.ndarray:
-    """Hermitian matrix (39, 39) whose negative definiteness, with Q >= 0, certifies the arc between two nodes."""
+def _weighted(form: Loop, a: float, b: float, ends, multipliers, weight: float) -> tuple[np.ndarray, np.ndarray]:
+    """[F G] of the circle's map and the part of `matrix` without P."""
     (c0, s0), (c1, s1) = (tuple(map(float, point(e))) for e in ends)
-    n = (c0 + c1) + 1j * (s0 + s1)
-    level = (c0 + c1) * c1 + (s0 + s1) * s1
+    n, level = (c0 + c1) + 1j * (s0 + s1), (c0 + c1) * c1 + (s0 + s1) * s1
     V = np.hstack([form.A + a * np.eye(12), form.H]) / b
-    J = np.eye(12, 39)
-    Z = np.hstack([form.Cz, form.Dw])
-    D = np.diag(multipliers[OF_CHANNEL])
-    N = V.T @ P @ V - J.T @ P @ J + Z.T @ D @ Z
-    N = N + n * V.T @ Q @ J + np.conj(n) * J.T @ Q @ V - 2 * level * J.T @ Q @ J
-    N[12:, 12:] -= D
+    J, Z, D = np.eye(12, 39), np.hstack([form.Cz, form.Dw]), np.diag(multipliers[OF_CHANNEL])
+    Q = weight * form.Cz.T @ D @ form.Cz
+    rest = Z.T @ D @ Z + n * V.T @ Q @ J + np.conj(n) * J.T @ Q @ V - 2 * level * J.T @ Q @ J
+    rest[12:, 12:] -= D
+    return V, (rest + rest.conj().T) / 2
+
+
+def matrix(form: Loop, a: float, b: float, ends, multipliers, weight: float, P) -> np.ndarray:
+    """Hermitian matrix (39, 39) whose negative definiteness certifies the arc between two nodes.
+
+    With z = (s + a)/b on the unit circle, v = (x, w) and z x = V v, the terms in P cancel on the circle, and those in
+    Q = weight Cz' D Cz, weighted by 2 Re(conj(n) z) - 2 level, are not negative on the arc cut off by the chord
+    between the nodes; so |D^(1/2) M w| < |D^(1/2) w| there.
+    """
+    V, rest = _weighted(form, a, b, ends, multipliers, weight)
+    N = V.T @ P @ V + rest
+    N[:12, :12] -= P
     return (N + N.conj().T) / 2
 
 
 def certify(form: Loop, a: float, b: float, ends, log_scale: np.ndarray, weights=(0, 1, 3, 10, 30, 100)) -> Arc | None:
     """Certify one arc with a given scaling, or None where no Riccati solution does it."""
-    e = np.exp(log_scale[OF_CHANNEL])
     d = np.exp(2 * log_scale)
-    D = np.diag(e**2)
-    (c0, s0), (c1, s1) = (tuple(map(float, point(x))) for x in ends)
-    n = (c0 + c1) + 1j * (s0 + s1)
-    level = (c0 + c1) * c1 + (s0 + s1) * s1
-    F, G = (form.A + a * np.eye(12)) / b, form.H / b
-    circle = np.exp(1j * np.linspace(-np.pi, np.pi, 181))
-    X = np.linalg.solve(circle[:, None, None] * np.eye(12) - F, np.broadcast_to(G, (181, *G.shape)))
-    M = form.Cz @ X + form.Dw
-    core = form.Cz.T @ D @ form.Cz
-    V, Z = np.hstack([F, G]), np.hstack([form.Cz, form.Dw])
-    psi = 2 * np.real(np.conj(n) * circle) - 2 * level
-    Xs, Ms = X / e, e[:, None] * M / e
-    base = Ms.conj().swapaxes(1, 2) @ Ms - np.eye(27)
-    extra = Xs.conj().swapaxes(1, 2) @ core @ Xs
-    J = np.eye(12, 39)
     best = None
     for weight in weights:
-        top = np.linalg.eigvalsh(base + weight * psi[:, None, None] * extra)[:, -1].max()
+        V, rest = _weighted(form, a, b, ends, d, weight)
+        F, G = V[:, :12], V[:, 12:]
+        top = _largest_on_circle(F, G, rest, d)
         if top >= 0:
             continue
-        Q = weight * core + 1e-9 * np.trace(core) / 12 * np.eye(12)
-        rest = Z.T @ D @ Z + n * V.T @ Q @ J + np.conj(n) * J.T @ Q @ V - 2 * level * J.T @ Q @ J
-        rest[12:, 12:] -= D
-        rest = (rest + rest.conj().T) / 2
-        shift = -0.3 * top
-        lift = np.zeros(39)
-        lift[12:] = shift * e**2
-        lift[:12] = shift * 0.1 * np.diag(core)
-        lifted = rest + np.diag(lift)
+        # part of the room goes to both diagonal blocks, so that the solution lies inside
+        lifted = rest.copy()
+        lifted[12:, 12:] -= 0.3 * top * np.diag(d[OF_CHANNEL])
+        lifted[:12, :12] -= 0.03 * top * np.diag(np.diag(form.Cz.T @ (d[OF_CHANNEL][:, None] * form.Cz)))
         try:
             P = solve_discrete_are(F, G, lifted[:12, :12], lifted[12:, 12:], s=lifted[:12, 12:])
         except (np.linalg.LinAlgError, ValueError):
             continue
         P = (P + P.conj().T) / 2
-        N = -matrix(form, a, b, ends, d, P, Q)
+        N = -matrix(form, a, b, ends, d, weight, P)
         scale = 1 / np.sqrt(np.abs(np.diag(N).real))
         margin = float(np.linalg.eigvalsh(scale[:, None] * N * scale)[0])
         if margin > 1e-9 and (best is None or margin > best.margin):
-            best = Arc(*ends, d, P, Q, margin)
+            best = Arc(*ends, d, float(weight), P, margin)
     return best
+
+
+def _largest_on_circle(F: np.ndarray, G: np.ndarray, rest: np.ndarray, d: np.ndarray, nodes: int = 181) -> float:
+    """Largest eigenvalue over the whole circle of the form in w, in units of its multipliers; negative: P exists."""
+    z = np.exp(1j * np.linspace(-np.pi, np.pi, nodes))
+    X = np.linalg.solve(z[:, None, None] * np.eye(12) - F, np.broadcast_to(G, (nodes, *G.shape)))
+    v = np.concatenate([X, np.broadcast_to(np.eye(27), (nodes, 27, 27))], axis=1) / np.sqrt(d[OF_CHANNEL])
+    return float(np.linalg.eigvalsh(v.conj().swapaxes(1, 2) @ rest @ v)[:, -1].max())
 
 
 def cover(form: Loop, a: float, b: float, widest: float = 0.4, narrowest: float = 0.004) -> list[Arc]:

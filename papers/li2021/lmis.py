@@ -85,24 +85,30 @@ def lemma3_synthesis(model: Model, lam: float, gamma: float | None = None, eps1:
     return Program(minimise=square if gamma is None else None, subject_to=[F < 0], label="(12), all gains")
 
 
-def lemma3_analysis(model: Model, gains, lam: float, gamma: float | None = None, T: np.ndarray | None = None) -> Program:
-    """(12) for given gains and nominal A, in a full P; with T in the coordinates xi = T xi_b (P_b = T'PT)."""
-    T = np.eye(12) if T is None else T
+def lemma3_analysis(model: Model, gains, lam: float, T: np.ndarray, gamma: float | None = None) -> Program:
+    """(12) for given gains and nominal A, in a full P and in the coordinates xi = T xi_b (P_b = T'PT).
+
+    gamma^2 is minimised where gamma is None; gamma = inf leaves the row of d~ out.
+    """
     loop = np.block([[model.A, model.B @ gains.C], [gains.B @ model.C, gains.A]])
     A = np.linalg.solve(T, loop @ T)
     B = np.linalg.solve(T, np.vstack([model.B, np.zeros((6, 3))]))
     E = np.linalg.solve(T, np.vstack([model.E, np.zeros((6, 3))]))
     W = np.hstack([model.W, np.zeros((3, 6))])
     P = symmetric("P", 12)
-    square = positive("g2") if gamma is None else affine(np.array([[gamma**2]]))
-    F = BlockMatrix("(12)", "state", "e", "d", "W0", "output", "pole")
+    bounded = gamma is None or np.isfinite(gamma)
+    F = BlockMatrix("(12)", "state", "e", *(("d",) if bounded else ()), "W0", "output", "pole")
     F["state", "state"] = -(model.b**2 / model.a) * P
-    F["state", "e"], F["state", "d"] = -(P @ E), P @ B
+    F["state", "e"] = -(P @ E)
     F["state", "W0"] = lam * (W @ loop @ T).T
     F["state", "output"] = (np.hstack([model.C, np.zeros((3, 6))]) @ T).T
     F["state", "pole"] = (A + model.a * np.eye(12)).T @ P
     F["e", "e"], F["e", "W0"] = -(lam**2) * EYE3, -lam * (model.W @ model.E).T
-    F["d", "d"], F["d", "W0"] = -square * EYE3, lam * (model.W @ model.B).T
+    square = None
+    if bounded:
+        square = positive("g2") if gamma is None else affine(np.array([[gamma**2]]))
+        F["state", "d"], F["d", "d"] = P @ B, -square * EYE3
+        F["d", "W0"] = lam * (model.W @ model.B).T
     F["W0", "W0"], F["output", "output"], F["pole", "pole"] = -EYE3, -EYE3, -model.a * P
     return Program(minimise=square if gamma is None else None, subject_to=[F < 0], label="(12), given gains")
 
@@ -169,7 +175,7 @@ def theorem1_frame(model: Model, s: SimpleNamespace, label: str, S: Affine, Y: A
     return F
 
 
-def theorem1_necessary(model: Model, s: SimpleNamespace, divided: bool, level: bool = False) -> Program:
+def theorem1_necessary(model: Model, s: SimpleNamespace, divided: bool) -> Program:
     """What (13) implies of X = S^-1, Y = S - N, Fb, Ch = C_f S^-1 and one free block: all its rows but F1_out.
 
     Rows 1a and 5a are multiplied by X, which makes the entry (1a, 5b) an unknown of its own, Ah'; so the condition is
@@ -182,8 +188,6 @@ def theorem1_necessary(model: Model, s: SimpleNamespace, divided: bool, level: b
         Scalars of Table 1.
     divided : bool
         As in `theorem2`.
-    level : bool, optional
-        Push the matrix below -t I and maximise t <= 1: never infeasible, and its multipliers prove infeasibility.
     """
     A, B, C, E, W, a, lam = model.A, model.B, model.C, model.E, model.W, model.a, s.lam
     X, Y, Ch, Fb, Ah = symmetric("X", 6), symmetric("Y", 6), matrix("Ch", 3, 6), matrix("Fb", 6, 3), matrix("Ah", 6, 6)
@@ -211,25 +215,23 @@ def theorem1_necessary(model: Model, s: SimpleNamespace, divided: bool, level: b
     F["5a", "F3_out"], F["5b", "F3_out"] = second * s.delta_m * B, second * s.delta_m * (Y @ B)
     for name in ends:
         F[name, name] = -s.eps2 * np.eye(6 if name == "F1_in" else 3)
-    if level:
-        t = scalar("t")
-        for name, size in F.sizes:
-            F[name, name] = F[name, name] + t * np.eye(size)
-        return Program(minimise=-t, subject_to=[F < 0, (1 - t > 0).named("t < 1")], label="(13)")
     return Program(subject_to=[F < 0], label="(13)")
 
 
 def lemma4_against_lemma3(model: Model, Cf: np.ndarray, s: SimpleNamespace) -> Program:
-    """(19) with given C_f and the rows 1 and 2 of (12) in the structure P = [Y N; N -N]: both in S and Y = S - N alone."""
-    S, Y = symmetric("S", 6), symmetric("Y", 6)
-    ratio = model.b**2 / model.a
+    """(19) with given C_f and rows 1 and 2 of (12) in the structure P = [Y N; N -N], of both the rows of the rates.
+
+    The unknowns are the blocks of S and Y = S - N that belong to the rates, 3x3 each.
+    """
+    S, Y = symmetric("S", 3), symmetric("Y", 3)
+    ratio, E = model.b**2 / model.a, model.E[3:]
     G = BlockMatrix("(19)", "u", "1a", "1b", "F3")
-    G["u", "u"], G["u", "1a"] = -(s.u_max**2 - s.eps3 * s.delta_m**2) * EYE3, -Cf
+    G["u", "u"], G["u", "1a"] = -(s.u_max**2 - s.eps3 * s.delta_m**2) * EYE3, -Cf[:, 3:]
     G["1a", "1a"], G["1a", "1b"], G["1b", "1b"] = -S / s.theta, -S / s.theta, -Y / s.theta
-    G["1a", "F3"], G["F3", "F3"] = Cf.T, -s.eps3 * EYE3
+    G["1a", "F3"], G["F3", "F3"] = Cf[:, 3:].T, -s.eps3 * EYE3
     F = BlockMatrix("(12), rows 1 and 2", "1a", "1b", "2")
     F["1a", "1a"], F["1a", "1b"], F["1b", "1b"] = -ratio * S, -ratio * S, -ratio * Y
-    F["1a", "2"], F["1b", "2"], F["2", "2"] = -(S @ model.E), -(Y @ model.E), -(s.lam**2) * EYE3
+    F["1a", "2"], F["1b", "2"], F["2", "2"] = -(S @ E), -(Y @ E), -(s.lam**2) * EYE3
     return Program(subject_to=[F < 0, G <= 0], label="(19) with (12)")
 
 
@@ -239,3 +241,17 @@ def table1(case) -> SimpleNamespace:
     return SimpleNamespace(
         lam=case.number("lambda"), lam1=case.number("lambda1"), **{name: case.number(name) for name in names}
     )
+
+
+def pushed(program: Program) -> Program:
+    """The constraints of a program pushed up together: F_j >= t I with t < 1 maximised.
+
+    Always feasible; where its infimum -t is above zero the program is not, and its multipliers are those of a
+    Farkas proof.
+    """
+    t = scalar("t")
+    constraints = []
+    for constraint in program.constraints:
+        size = constraint.expression.shape[0]
+        constraints.append((constraint.expression - t * np.eye(size) > 0).named(constraint.label))
+    return Program(minimise=-t, subject_to=[*constraints, (1 - t > 0).named("t < 1")], label=program.label)

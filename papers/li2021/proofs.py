@@ -165,3 +165,185 @@ def lemma3_bound(case, name: str, multiplier: np.ndarray, lam: str, *, quantity:
         multipliers={"(12)": multiplier},
         quantities={"objective": quantity},
     )
+
+
+def theorem1(case, multiplier: np.ndarray, divided: bool) -> Certificate:
+    """(13) fails at Table 1's scalars, by multipliers of what it implies (`lmis.theorem1_necessary`)."""
+    names = ("a", "b", "e", "d", "w", "pa", "pb", "o", "hi", "ho", "f1", "f2", "f3", "g2", "g3")
+    first, second = ("1", "eps2") if divided else ("eps2", "1")
+    entries = {
+        ("a", "a"): "-r*X", ("a", "b"): "-r*eye(6)", ("b", "b"): "-r*Y",
+        ("a", "o"): "X @ C.T", ("b", "o"): "C.T", ("o", "o"): "-eye(3)",
+        ("a", "e"): "-B", ("b", "e"): "-Y @ B", ("a", "d"): "B", ("b", "d"): "Y @ B",
+        ("a", "w"): "lam * (W @ (A0 @ X + B @ Ch)).T", ("b", "w"): "lam * (W @ A0).T",
+        ("a", "pa"): "(A0 @ X + B @ Ch + a*X).T", ("a", "pb"): "Ah.T",
+        ("b", "pa"): "(A0 + a*eye(6)).T", ("b", "pb"): "(A0 + a*eye(6)).T @ Y + C.T @ Fb.T",
+        ("e", "e"): "-lam**2 * eye(3)", ("e", "w"): "-lam * (W @ B).T",
+        ("d", "d"): "-number('gamma')**2 * eye(3)", ("d", "w"): "lam * (W @ B).T", ("w", "w"): "-eye(3)",
+        ("pa", "pa"): "-a*X", ("pa", "pb"): "-a*eye(6)", ("pb", "pb"): "-a*Y",
+        ("a", "hi"): "eps1 * X @ K.T", ("b", "hi"): "eps1 * K.T",
+        ("w", "ho"): "lam * W @ L", ("pa", "ho"): "L", ("pb", "ho"): "Y @ L",
+        ("hi", "hi"): "-eps1 * eye(12)", ("ho", "ho"): "-eps1 * eye(12)",
+        ("a", "f1"): f"{first} * X", ("a", "f2"): f"{first} * X @ C.T", ("a", "f3"): f"{first} * Ch.T",
+        ("b", "f2"): f"{first} * C.T",
+        ("pb", "g2"): f"{second} * dm * Fb",
+        ("w", "g3"): f"{second} * lam * dm * W @ B", ("pa", "g3"): f"{second} * dm * B",
+        ("pb", "g3"): f"{second} * dm * Y @ B",
+        ("f1", "f1"): "-eps2 * eye(6)",
+        **{(x, x): "-eps2 * eye(3)" for x in ("f2", "f3", "g2", "g3")},
+    }  # fmt: skip
+    reading = "dividing psi_4 and psi_5" if divided else "multiplying psi_3"
+    scalars = tuple(
+        (name, f"number('{entry}')")
+        for name, entry in (("lam", "lambda"), ("eps1", "eps1"), ("eps2", "eps2"), ("dm", "delta_m"))
+    )
+    return build.farkas(
+        id="eq13-infeasible-divided" if divided else "eq13-infeasible",
+        paper=case.name,
+        tables=case,
+        claims=("theorem1-feasible-divided" if divided else "theorem1-feasible",),
+        statement=f"(13) has no solution at Table 1's scalars, eps2 read as {reading}: all rows but one border, times "
+        "X = S^-1, are linear in X, Y = S - N, Fb, Ch = C_f X and a free block, and infeasible.",
+        definitions=(*PLANT, *UNCERTAIN, *scalars),
+        unknowns={**symmetric(X=6, Y=6), **full(Ch=(3, 6), Fb=(6, 3), Ah=(6, 6))},
+        fields={"constraints": [["(13)", f"{blocks(names, entries)} < 0"]]},
+        multipliers={"(13)": multiplier},
+        quantities={"feasible": "eq13.feasible_divided" if divided else "eq13.feasible"},
+        faith=("That (13), printed in part, borders (15) with the two pairs of (16) as Lemma 1 says.",),
+    )
+
+
+def lemma4_against_lemma3(case, multipliers: Mapping[str, np.ndarray]) -> Certificate:
+    """(19) with the printed C_f, and (12) at lambda = 1 in the structure of Theorem 1, exclude each other."""
+    top = {("a", "a"): "-r*S", ("a", "b"): "-r*S", ("b", "b"): "-r*Y", ("a", "e"): "-S @ M", ("b", "e"): "-Y @ M",
+           ("e", "e"): "-number('lambda')**2 * eye(3)"}  # fmt: skip
+    bottom = {
+        ("u", "u"): "-(number('u_max')**2 - number('eps3') * number('delta_m')**2) * eye(3)",
+        ("u", "a"): "-printed('Cf')[0:3, 3:6]", ("a", "a"): "-S / theta", ("a", "b"): "-S / theta", ("b", "b"): "-Y / theta",
+        ("a", "f"): "printed('Cf')[0:3, 3:6].T", ("f", "f"): "-number('eps3') * eye(3)",
+    }  # fmt: skip
+    return build.farkas(
+        id="eq19-against-eq12",
+        paper=case.name,
+        tables=case,
+        claims=("theorem3-printed-gains",),
+        statement="No S and Y = S - N satisfy both (19) with the printed C_f and rows 1 and 2 of (12) at lambda = 1 "
+        "with the structured P of Theorem 1: already the rows of the rates exclude each other.",
+        definitions=(*PLANT, ("theta", "number('theta')")),
+        unknowns=symmetric(S=3, Y=3),
+        fields={
+            "constraints": [
+                ["(12), rows 1 and 2", f"{blocks(('a', 'b', 'e'), top)} < 0"],
+                ["(19)", f"{blocks(('u', 'a', 'b', 'f'), bottom)} <= 0"],
+            ]
+        },
+        multipliers=multipliers,
+        quantities={"feasible": "eq19.feasible_with_eq12"},
+    )
+
+
+LAMBDA, LAMBDA_PASS = "number('lambda')", "number('lambda_pass')"
+PRINTED_LOOP = (
+    ("Af", "printed('Af')"), ("Bf", "printed('Bf')"), ("Cf", "printed('Cf')"),
+    ("Acl", "[[A0, B @ Cf], [Bf @ C, Af]]"), ("Bcl", "col(B, zeros(6, 3))"), ("Ccl", "row(C, zeros(3, 6))"),
+    ("Wcl", "row(zeros(3, 3), XJ, zeros(3, 6))"),
+)  # fmt: skip
+
+
+def analysis_blocks(lam: str, square: str | None) -> str:
+    """(12) for given gains in P, as `lmis.lemma3_analysis`; without the row of d~ where square is None."""
+    entries = {
+        ("x", "x"): "-r*P", ("x", "e"): "-P @ Bcl", ("x", "d"): "P @ Bcl", ("x", "w"): f"{lam} * (Wcl @ Acl).T",
+        ("x", "o"): "Ccl.T", ("x", "p"): "(Acl + a*eye(12)).T @ P",
+        ("e", "e"): f"-({lam})**2 * eye(3)", ("e", "w"): f"-{lam} * (Wcl @ Bcl).T",
+        ("d", "d"): f"-{square} * eye(3)", ("d", "w"): f"{lam} * (Wcl @ Bcl).T",
+        ("w", "w"): "-eye(3)", ("o", "o"): "-eye(3)", ("p", "p"): "-a*P",
+    }  # fmt: skip
+    return blocks(("x", "e", "w", "o", "p") if square is None else ("x", "e", "d", "w", "o", "p"), entries)
+
+
+def printed_gains_fail(case, multiplier: np.ndarray) -> Certificate:
+    """The printed gains violate (12) at the paper's lambda for every P and every gamma."""
+    return build.farkas(
+        id="eq12-printed-infeasible",
+        paper=case.name,
+        tables=case,
+        claims=("eq12-printed-gains",),
+        statement="With the printed gains, nominal A and the paper's lambda, (12) has no solution P, whatever gamma: its rows without d~.",
+        definitions=(*PLANT, *PRINTED_LOOP),
+        unknowns=symmetric(P=12),
+        fields={"constraints": [["(12)", f"{analysis_blocks(LAMBDA, None)} < 0"]]},
+        multipliers={"(12)": multiplier},
+        quantities={"feasible": "eq12.printed_feasible"},
+    )
+
+
+def printed_gains_pass(case, P: np.ndarray, square: float) -> Certificate:
+    """The printed gains satisfy (12) at lambda = 3."""
+    return build.feasible_point(
+        id="eq12-printed-feasible",
+        paper=case.name,
+        tables=case,
+        statement="With the printed gains, nominal A and lambda = 3, (12) holds with gamma^2 = g2.",
+        definitions=(*PLANT, *PRINTED_LOOP),
+        unknowns={**symmetric(P=12), "g2": {}},
+        fields={
+            "constraints": [["(12)", f"{analysis_blocks(LAMBDA_PASS, 'g2')} < 0"]],
+            "minimise": "g2",
+        },
+        point={"P": P, "g2": square},
+        quantities={"objective": "lemma3.printed_gamma2_min"},
+    )
+
+
+def printed_gains_bound(case, multiplier: np.ndarray) -> Certificate:
+    """Least gamma^2 of the printed gains in (12) at lambda = 3, from below."""
+    return build.dual_bound(
+        id="eq12-printed-bound",
+        paper=case.name,
+        tables=case,
+        statement="With the printed gains, nominal A and lambda = 3, (12) needs gamma^2 of at least the bound.",
+        definitions=(*PLANT, *PRINTED_LOOP),
+        unknowns={**symmetric(P=12), "g2": {}},
+        fields={
+            "constraints": [["(12)", f"{analysis_blocks(LAMBDA_PASS, 'g2')} < 0"]],
+            "minimise": "g2",
+        },
+        multipliers={"(12)": multiplier},
+        quantities={"objective": "lemma3.printed_gamma2_min"},
+    )
+
+
+def factorisation(case, which: str) -> Certificate:
+    """Delta D or Delta G equals its product of factors for every delta."""
+    deltas = {"D": "diag(u1, u1, u3, u3, u2, u2)", "G": "diag(u2, u2, u1, u3, u3, u1)"}[which]
+    changed = (("I1", "J1 + u1*d1"), ("I2", "J2 + u2*d2"), ("I3", "J3 + u3*d3"))
+    left = {
+        "D": "n * (I1 + I3 - I2) * turn - D0",
+        "G": "n**2 * diag(4*(I2 - I3), 3*(I1 - I3), I2 - I1) - G0",
+    }[which]
+    return build.certificate(
+        "identity",
+        id=f"factorisation-{which.lower()}",
+        paper=case.name,
+        tables=case,
+        statement=f"Delta {which} = Xi_{which} Delta_{which} Gamma_{which} for every delta, with the corrected Gamma_{which}.",
+        definitions=(*PLANT, *FACTORS, *changed),
+        unknowns={"u1": {}, "u2": {}, "u3": {}},
+        fields={"left": left, "right": f"X{which} @ {deltas} @ printed('Gamma{which}')"},
+        quantities={"identity": f"factorisation.{which.lower()}"},
+    )
+
+
+def misprint(case, name: str, what: str, left: str, right: str, quantity: str, definitions=()) -> Certificate:
+    """Two formulas differ: what is printed is not what the definition gives."""
+    return build.certificate(
+        "different",
+        id=name,
+        paper=case.name,
+        tables=case,
+        statement=what,
+        definitions=(*PLANT, *definitions),
+        fields={"left": left, "right": right},
+        quantities={"identity": quantity},
+    )
