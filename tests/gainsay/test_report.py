@@ -119,7 +119,7 @@ def test_the_page_says_what_is_in_the_results(built):
             assert row[1] in said
     for wanted in (
         "No X, Y satisfy (14), whatever the weights.",  # what the certificate proves
-        "That the formulas are the paper's.",  # and what stays on faith
+        "On faith: That the formulas are the paper's.",  # and what does not follow
         "Farkas' lemma for linear matrix inequalities",
         "eq14.feasible fails",
         "120 of 256 samples hold (peak below 40 N)",

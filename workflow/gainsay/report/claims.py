@@ -173,6 +173,8 @@ def _range(row: Row, quantities: Sequence[QuantityView]) -> str:
     low, high = row["range_low"], row["range_high"]
     if quantities and quantities[0].row and (low, high) == (quantities[0].row["lower"], quantities[0].row["upper"]):
         return ""  # said with the number already
+    if low == high == row["recomputed"]:
+        return ""  # nothing but the value itself
     if low and high:
         return low if low == high else f"{low} to {high}"
     return f"at least {low}" if low else f"at most {high}" if high else ""

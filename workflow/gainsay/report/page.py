@@ -44,6 +44,10 @@ class PaperPage:
         """Claims whose scan turns at a parameter that the paper leaves out."""
         return [c for c, scan in self.found.scans.items() if (scan["boundary"] or {}).get("input") == parameter]
 
+    def scanned(self, parameter: str) -> bool:
+        """Whether some claim was evaluated over the plausible values of a parameter."""
+        return any(parameter == entry["name"] for scan in self.found.scans.values() for entry in scan["inputs"])
+
     def bears_on(self, certificate: str) -> list[str]:
         """Claims that rest on a certificate."""
         return [view.claim.id for view in self.verdicts.claims if certificate in view.row["certificate"].split()]

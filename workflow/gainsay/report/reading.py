@@ -55,7 +55,7 @@ class CertificateFile:
 
 @dataclass(frozen=True)
 class RunFiles:
-    """A simulated run: its log, views and picture, below the paper's results; empty where missing."""
+    """A simulated run: its log, views and picture with its pixels, below the paper's results; empty where missing."""
 
     name: str
     about: str
@@ -63,6 +63,8 @@ class RunFiles:
     recording: str
     foxglove: str
     picture: str
+    width: int = 0
+    height: int = 0
     figures: tuple[str, ...] = ()
 
 
@@ -168,6 +170,15 @@ def _size(path: Path) -> tuple[int, int]:
     return round(float(width) * 4 / 3), round(float(height) * 4 / 3)
 
 
+def _png_size(path: Path) -> tuple[int, int]:
+    """Width and height of a PNG in pixels."""
+    with path.open("rb") as file:
+        head = file.read(24)
+    if len(head) < 24 or not head.startswith(b"\x89PNG"):
+        return 0, 0
+    return int.from_bytes(head[16:20], "big"), int.from_bytes(head[20:24], "big")
+
+
 def _pictures(found: PaperResults, figure_runs: Mapping[str, Sequence[str]] | None) -> None:
     paper = found.case.paper
     for name, caption in paper.figures.items():
@@ -181,7 +192,8 @@ def _pictures(found: PaperResults, figure_runs: Mapping[str, Sequence[str]] | No
         files = [found.existing(f"logs/{name}.{ending}") for ending in ("mcap", "rrd", "foxglove.json")]
         picture = found.existing(f"gallery/{name}.png") or found.existing(f"logs/{name}.png")
         shown_in = tuple(figure.name for figure in found.figures if name in (figure.runs or ()))
-        found.runs.append(RunFiles(name, about, *files, picture, shown_in))
+        size = _png_size(found.case.results / picture) if picture else (0, 0)
+        found.runs.append(RunFiles(name, about, *files, picture, *size, shown_in))
 
 
 def _designs(found: PaperResults) -> None:
