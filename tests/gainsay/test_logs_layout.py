@@ -24,6 +24,7 @@ from gainsay.logs import (
 )
 from gainsay.logs.check import check_layout, layout_problems
 from gainsay.logs.demo import LAYOUT, write_demo
+from gainsay.logs.eye import eye_of
 from gainsay.logs.foxglove import foxglove_layout
 from gainsay.logs.palette import ROLES, rgb, role
 
@@ -168,6 +169,14 @@ def test_the_camera_looks_from_where_the_eye_is(log):
     phi, theta, r = math.radians(camera["phi"]), math.radians(camera["thetaOffset"]), camera["distance"]
     place = (-r * math.sin(phi) * math.sin(theta), -r * math.sin(phi) * math.cos(theta), r * math.cos(phi))
     assert place == pytest.approx(eye)
+
+
+def test_a_scene_without_an_eye_is_seen_whole(log):
+    """The spiral starts 5000 m away, 0.35 of it out of plane: no eye nearer than that sees it all."""
+    distance = math.hypot(*eye_of(Scene("S", "lvlh", ("path",)), log))
+    assert 1.5 * math.hypot(5000.0, 1750.0) < distance < 3.0 * math.hypot(5000.0, 1750.0)
+    near = math.hypot(*eye_of(Scene("S", "lvlh", ("chaser",), ("chaser",), follow="chaser"), log))
+    assert near < 5000.0  # following, it is the body that counts, about 1.1 km long
 
 
 def test_shares_become_percentages(log):

@@ -179,8 +179,26 @@ def test_what_counts_as_empty():
     assert empty(picture(lambda image: None), "TimeSeries")
     assert empty(picture(cursor), "TimeSeries")
     assert not empty(picture(curve), "TimeSeries")
+
+    def head(image):
+        image[15:32, 10:230] = 255  # head of a text log
+
+    def row(image):
+        head(image)
+        image[50:60, 20:40] = 200
+
+    def word(image):
+        image[12:24, 10:56] = 110  # (empty)
+
+    def corner(image):
+        image[100:120, 100:120] = 255
+
     assert empty(picture(lambda image: None), "3D")
-    assert not empty(picture(lambda image: image.__setitem__((slice(100, 120), slice(100, 120)), 255)), "3D")
+    assert not empty(picture(corner), "3D")
+    assert empty(picture(head), "TextLog")
+    assert not empty(picture(row), "TextLog")
+    assert empty(picture(word), "TextDocument")
+    assert not empty(picture(head), "TextDocument")
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ import rerun.blueprint as rrb
 from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 
 from gainsay.logs.drawing import TIMELINE, text_path
+from gainsay.logs.eye import eye_of
 from gainsay.logs.layout import EVENT_TOPIC, Columns, EventLog, Item, Layout, Line, Plot, Rows, Scene, Text, bound_lines
 from gainsay.logs.palette import rgb, role
 from gainsay.logs.reader import Log
@@ -49,7 +50,7 @@ def _item(item: Item, log: Log, title: str = "") -> rrb.View | rrb.Container:
         case Plot():
             view = _plot(item, log)
         case Scene():
-            view = _scene(item)
+            view = _scene(item, log)
         case Text():
             view = rrb.TextDocumentView(origin=text_path(item.title), name=item.title)
         case EventLog():
@@ -96,12 +97,10 @@ def _plot(plot: Plot, log: Log) -> rrb.TimeSeriesView:
     )
 
 
-def _scene(scene: Scene) -> rrb.Spatial3DView:
-    eye = {}
-    if scene.eye is not None:
-        eye = {"position": scene.eye, "look_target": (0.0, 0.0, 0.0), "eye_up": (0.0, 0.0, 1.0)}
+def _scene(scene: Scene, log: Log) -> rrb.Spatial3DView:
+    eye = {"position": eye_of(scene, log), "look_target": (0.0, 0.0, 0.0), "eye_up": (0.0, 0.0, 1.0)}
     if scene.follow:
-        eye["tracking_entity"] = f"/scene/axes_{scene.follow}/arrows"
+        eye["tracking_entity"] = f"/scene/axes_{scene.follow}/origin"
     return rrb.Spatial3DView(
         name=scene.title,
         origin="/",

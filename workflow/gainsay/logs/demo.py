@@ -46,7 +46,6 @@ LAYOUT = Layout(
                     "lvlh",
                     elements=("path", "target", "chaser", "thrust"),
                     axes=("lvlh", "chaser"),
-                    eye=(6800.0, -7000.0, 5000.0),
                 ),
                 Rows(
                     Plot(

@@ -63,6 +63,8 @@ def _entity(stream: rr.RecordingStream, topic: str, entity: Any, static: bool) -
             colors=[_colour(ball.color) for ball in entity.spheres],
         )
         put("balls", balls)
+    if topic.startswith("/scene/axes_"):
+        put("origin", rr.Points3D([(0.0, 0.0, 0.0)], radii=rr.Radius.ui_points(0.0)))  # what a camera can follow
     if entity.texts:
         labels = rr.Points3D(
             [_triple(text.pose.position) for text in entity.texts],

@@ -6,6 +6,7 @@ Text pages are left out: the open viewers have no panel for text.
 import json
 from math import acos, atan2, degrees, hypot
 
+from gainsay.logs.eye import eye_of
 from gainsay.logs.layout import (
     Columns,
     EventLog,
@@ -38,7 +39,7 @@ def foxglove_layout(layout: Layout, log: Log) -> str:
 class _Builder:
     def __init__(self, log: Log) -> None:
         self.sides = {name: tuple(sides) for name, sides in log.bounds.items()}
-        self.duration = log.duration
+        self.log, self.duration = log, log.duration
         self.panels: dict[str, dict] = {}
 
     def build(self, layout: Layout) -> dict:
@@ -117,9 +118,8 @@ class _Builder:
             "showLine": True,
         }
 
-    @staticmethod
-    def scene(scene: Scene) -> dict:
-        config = {
+    def scene(self, scene: Scene) -> dict:
+        return {
             "foxglovePanelTitle": scene.title,
             "followTf": scene.follow or scene.frame,
             "followMode": "follow-pose" if not scene.follow else "follow-position",
@@ -130,10 +130,8 @@ class _Builder:
             "transforms": {},
             "topics": {topic: {"visible": True} for topic in scene.topics},
             "layers": {},
+            "cameraState": _camera(eye_of(scene, self.log)),
         }
-        if scene.eye is not None:
-            config["cameraState"] = _camera(scene.eye)
-        return config
 
 
 def _camera(eye: tuple[float, float, float]) -> dict:

@@ -88,7 +88,7 @@ class Scene:
     follow : str
         Frame that the camera follows, where one moves far; by default none.
     eye : tuple of 3 floats, optional
-        Place of the camera in `frame`, m; the viewers choose one by default.
+        Place of the camera in `frame`, m; it looks at the origin. By default all is seen, obliquely from above.
     """
 
     title: str

@@ -139,18 +139,25 @@ def _top(blueprint: dict[str, Any]) -> dict[str, Any]:
     return blueprint[f"/container/{root}"]["ContainerBlueprint"]
 
 
+def _contents(container: dict[str, Any]) -> list[str]:
+    """Paths inside a container; the viewer writes a list of one as its one element."""
+    found = container["contents"]
+    return [found] if isinstance(found, str) else found
+
+
 def _tabs(blueprint: dict[str, Any]) -> list[tuple[str, set[str]]]:
     """List each tab of a blueprint and the views inside it; without tabs, one entry without a name."""
 
     def views(path: str) -> set[str]:
         if path.startswith("view/"):
             return {path}
-        return set().union(*(views(inner) for inner in blueprint["/" + path]["ContainerBlueprint"]["contents"]))
+        return set().union(*(views(inner) for inner in _contents(blueprint["/" + path]["ContainerBlueprint"])))
 
     top = _top(blueprint)
-    if top["container_kind"] == "Tabs" and len(top["contents"]) > 1:
-        return [(path, views(path)) for path in top["contents"]]
-    return [("", set().union(*(views(path) for path in top["contents"])))]
+    found = [(path, views(path)) for path in _contents(top)]
+    if top["container_kind"] == "Tabs" and len(found) > 1:
+        return found
+    return [("", set().union(*(views for _, views in found)))]
 
 
 def empty(png: bytes, view_class: str) -> bool:
@@ -161,21 +168,25 @@ def empty(png: bytes, view_class: str) -> bool:
     png : bytes
         Screenshot of the view alone.
     view_class : str
-        As the viewer names it. A plot is empty if little runs across it: axis labels, legend and time cursor are there
-        without a curve. Elsewhere pixels count that stand out from the background, below the headline.
+        As the viewer names it. What each shows without content does not count: axis labels, legend and time cursor of
+        a plot, the head of a text log, the word ``(empty)`` in the corner of a text page.
     """
     from PIL import Image
 
     image = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=int)
-    inner = image[2:-17, 60:-10] if view_class == "TimeSeries" else image[60:-10, 10:-10]
-    if not inner.size:
-        return True
-    flat = inner.reshape(-1, 3)
-    colours, counts = np.unique(flat, axis=0, return_counts=True)
-    background = colours[counts.argmax()]
-    stands_out = np.abs(inner - background).max(axis=2) > 60
+    codes = image[..., 0] << 16 | image[..., 1] << 8 | image[..., 2]
+    values, counts = np.unique(codes, return_counts=True)
+    ground = int(values[counts.argmax()])
+    background = np.array([ground >> 16, ground >> 8 & 255, ground & 255])
+    stands_out = np.abs(image - background).max(axis=2) > 60
     if view_class == "TimeSeries":
-        return bool(stands_out.any(axis=0).mean() < 0.35)
+        # A curve runs across the plot: some pixel stands out in many of its columns.
+        inner = stands_out[2:-17, 60:-10]
+        return not inner.size or bool(inner.any(axis=0).mean() < 0.35)
+    if view_class == "TextLog":
+        return bool(stands_out[45:].sum() < 30)
+    if view_class == "TextDocument":
+        return not (stands_out[30:].any() or stands_out[:, 60:].any())
     return bool(stands_out.mean() < 5e-4)
 
 
