@@ -17,9 +17,12 @@ shell.prefix(f"export {THREADS}; ")
 def library(step, *without):
     """Sources of the library that a step depends on: Snakemake does not see imports."""
     floors = [floor for floor in FLOORS if floor not in without]
-    files = [f"workflow/gainsay/steps/{step}.py", "workflow/gainsay/errors.py"]
+    files = [f"workflow/gainsay/steps/{name}.py" for name in (step, "command", "tasks")]
+    files.append("workflow/gainsay/errors.py")
     for floor in floors:
-        files += sorted(str(path) for path in Path("workflow/gainsay", floor).rglob("*.py"))
+        files += sorted(
+            str(path) for path in Path("workflow/gainsay", floor).rglob("*.py")
+        )
     return files
 
 
@@ -35,7 +38,9 @@ def sources(paper, *without):
 def tables(paper):
     """Tables of a paper that computations read; certificates quote the claims that they bear on."""
     names = ["paper.toml", "parameters.csv", "quantities.csv", "claims.csv"]
-    printed = sorted(str(path) for path in Path("papers", paper, "printed").glob("*.csv"))
+    printed = sorted(
+        str(path) for path in Path("papers", paper, "printed").glob("*.csv")
+    )
     return [f"papers/{paper}/{name}" for name in names] + printed
 
 

@@ -37,7 +37,9 @@ for paper in PAPERS:
             tables=tables(paper),
             designs=parts(paper, "synthesis"),
             code=sources(paper, "synthesis", "audit", "figures"),
-            library=library("simulation", "lmi", "proof", "figures", "verdicts", "report"),
+            library=library(
+                "simulation", "lmi", "proof", "figures", "verdicts", "report"
+            ),
         output:
             parts(paper, "simulation"),
         params:
