@@ -2,13 +2,15 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from flint import arb, arb_mat, fmpq, fmpq_mat
+from flint import acb, acb_mat, arb, arb_mat, fmpq, fmpq_mat
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from gainsay.exact.ball import ball, decimal_above, decimal_below, eigenvalues, hull, lower, precision, upper
 from gainsay.exact.definite import (
     ball_positive_definite,
+    cholesky_factor,
+    hermitian_positive_definite,
     inertia,
     positive_definite,
     positive_semidefinite,
@@ -81,6 +83,25 @@ def test_balls_never_prove_what_some_matrix_in_them_refutes(rows, tenths):
     corner = f - fmpq_mat([[radius * (i == j) for j in range(f.nrows())] for i in range(f.nrows())])
     if ball_positive_definite(wide):
         assert rational_positive_definite(corner)
+
+
+@given(square, square)
+def test_hermitian_definiteness_agrees_with_eigenvalues(real, imaginary):
+    n = min(len(real), len(imaginary))
+    x = np.array([row[:n] for row in real[:n]]) + 1j * np.array([row[:n] for row in imaginary[:n]])
+    h = x + x.conj().T + 6 * np.eye(n)
+    least = np.linalg.eigvalsh(h)[0]  # numpy as an independent oracle, away from its rounding
+    assume(abs(least) > 1e-9)
+    assert hermitian_positive_definite(acb_mat([[acb(z.real, z.imag) for z in row] for row in h])) == (least > 0)
+
+
+@given(square)
+def test_cholesky_factor_is_near(rows):
+    a = fmpq_mat(rows)
+    f = a.transpose() * a + fmpq_mat([[int(i == j) for j in range(a.nrows())] for i in range(a.nrows())])
+    factor = cholesky_factor(f)
+    rest = factor.transpose() * factor - arb_mat(f)
+    assert all(abs(x) < 1e-9 for row in rest.tolist() for x in row)
 
 
 def test_wide_balls_that_gershgorin_settles():

@@ -6,10 +6,12 @@ References: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed
 S. M. Rump, "Verification of positive definiteness", BIT 46 (2006) 433-452.
 """
 
-from flint import arb, arb_mat, fmpq, fmpq_mat
+from flint import acb, acb_mat, arb, arb_mat, fmpq, fmpq_mat
 
 __all__ = [
     "ball_positive_definite",
+    "cholesky_factor",
+    "hermitian_positive_definite",
     "inertia",
     "is_symmetric",
     "positive_definite",
@@ -147,6 +149,31 @@ def ball_positive_definite(matrix: arb_mat) -> bool:
     return _ball_cholesky(symmetric.tolist()) or _ball_gershgorin(symmetric)
 
 
+def hermitian_positive_definite(matrix: acb_mat) -> bool:
+    """Prove by Cholesky that every Hermitian matrix enclosed by a complex ball matrix is positive definite.
+
+    The lower triangle is read; the imaginary parts of the diagonal, zero in a Hermitian matrix, are not.
+    """
+    rows = matrix.tolist()
+    factor: list[list[acb]] = []
+    for i, row in enumerate(rows):
+        line: list[acb] = []
+        for j in range(i):
+            entry = row[j]
+            other = factor[j]
+            for k in range(j):
+                entry = entry - line[k] * other[k].conjugate()
+            line.append(entry / other[j])
+        pivot = row[i].real
+        for entry in line:
+            pivot = pivot - entry.real * entry.real - entry.imag * entry.imag
+        if not pivot > 0:
+            return False
+        line.append(acb(pivot.sqrt()))
+        factor.append(line)
+    return True
+
+
 def positive_definite(matrix: fmpq_mat | arb_mat) -> bool:
     """Prove > 0: balls first, since they are fast, and exact L D L' for a rational matrix that they cannot settle."""
     if isinstance(matrix, fmpq_mat):
@@ -163,6 +190,26 @@ def positive_semidefinite(matrix: fmpq_mat | arb_mat) -> bool:
     if matrix.nrows() == matrix.ncols() == 1:
         return bool(matrix[0, 0] >= 0)
     return ball_positive_definite(matrix)
+
+
+def cholesky_factor(matrix: fmpq_mat) -> arb_mat:
+    """Exact dyadic R near the factor of a positive definite matrix R' R; no more than nearness is promised.
+
+    Raises
+    ------
+    ArithmeticError
+        If the factorisation breaks down at the precision in force.
+    """
+    rows = arb_mat(matrix).mid().tolist()
+    size = len(rows)
+    factor = [[arb(0)] * size for _ in range(size)]
+    for i in range(size):
+        for j in range(i + 1):
+            entry = (rows[i][j] - sum((factor[i][k] * factor[j][k] for k in range(j)), arb(0))).mid()
+            if i == j and not entry > 0:
+                raise ArithmeticError("no Cholesky factor at this precision")
+            factor[i][j] = (entry.sqrt() if i == j else entry / factor[j][j]).mid()
+    return arb_mat(factor).transpose()
 
 
 def quadratic_form(matrix: fmpq_mat | arb_mat, vector: list[fmpq]) -> fmpq | arb:

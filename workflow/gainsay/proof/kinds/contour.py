@@ -12,10 +12,14 @@ With an input B, an output C and a level gamma (region: the left half plane, alp
 gamma^2 |d|^2 - |y|^2 added, > 0 on the whole axis, proves that the H-infinity norm is below gamma for each Delta.
 
 The boundary is s = -a + b exp(i pi t), or s = alpha + i w0 tan(pi t / 2), 0 <= t <= 1: its upper half, which is enough
-since the data are real. Between points nothing is sampled: each piece of an arc is checked as a whole in balls, and
-bisected where that does not settle it.
+since the data are real. Nothing is sampled: each piece of an arc is settled as a whole, by the form at its middle and
+a bound on its change over the piece, and bisected where that does not do. With s = u / v and K = u I - v A,
 
-Fields: ``A``, ``H``, ``Cz``, ``Dw``, ``blocks``, ``arcs`` (ends of the arcs in t, increasing from 0 to 1); ``shift`` (a)
+    M(s) - M(s0) = (v u0 - v0 u) Cz K^-1 K0^-1 H,     K^-1 = K0^-1 - K0^-1 (K - K0) K^-1,
+
+and all norms are taken in the coordinates of P and of the multipliers.
+
+Fields: ``A``, ``H``, ``Cz``, ``Dw``, ``blocks``, ``arcs`` (their ends in t, increasing from 0 to 1); ``shift`` (a)
 and ``radius`` (b), or ``alpha`` and ``scale`` (w0); and for a norm ``B``, ``C``, ``D``, ``Dd``, ``Ew``, ``gamma``.
 Witness: ``P`` (Stein or Lyapunov for A), ``d`` (a row for each arc, a column for each block), and ``g`` (likewise).
 Reference: M. K. H. Fan, A. L. Tits, J. C. Doyle, "Robustness in the presence of mixed parametric uncertainty and
@@ -26,10 +30,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
-from flint import acb, acb_mat, arb, arb_mat, fmpq
+from flint import acb, acb_mat, arb, fmpq
 
-from gainsay.exact.ball import hull
-from gainsay.exact.definite import ball_positive_definite
+from gainsay.exact.definite import cholesky_factor, hermitian_positive_definite
 from gainsay.exact.matrix import Matrix, block, diagonal, eye, zeros
 from gainsay.exact.rational import to_fmpq, to_text
 from gainsay.proof.inequalities import demand, sym
@@ -39,39 +42,38 @@ from gainsay.proof.scope import Scope
 THEOREM = "mixed structured singular value bound on the whole boundary, checked arc by arc in balls"
 REQUIRED = ("A", "H", "Cz", "blocks", "arcs")
 OPTIONAL = ("Dw", "shift", "radius", "alpha", "scale", "B", "C", "D", "Dd", "Ew", "gamma")
-_DEPTH = 14
+_DEPTH = 16
 
 
 @dataclass(frozen=True)
 class _Plant:
-    """Transfer matrix from (w, d) to (z, y) in balls, and the boundary."""
+    """Transfer matrix from (w, d) to (z, y) in balls, in the coordinates of P, and the boundary."""
 
     a: acb_mat
     inputs: acb_mat
     outputs: acb_mat
     through: acb_mat
-    centre: fmpq
-    radius: fmpq
+    centre: arb
+    radius: arb
     disk: bool
 
-    def transfer(self, low: Fraction, high: Fraction) -> acb_mat | None:
-        """Enclosure over the arc from low to high; None where it is not finite."""
-        angle = arb.pi() * hull(low, high)
+    def near(self, low: Fraction, high: Fraction) -> tuple[acb, arb, arb, arb]:
+        """At the middle of a piece u and v; over the piece the largest |v u0 - v0 u| and |u - u0| + |v - v0| |A|."""
+        turn = arb.pi() * (1 if self.disk else fmpq(1, 2))
+        angle = turn * arb(to_fmpq((low + high) / 2))
+        half = turn * arb(to_fmpq((high - low) / 2))
         if self.disk:
-            u = acb(arb(self.centre) + arb(self.radius) * angle.cos(), arb(self.radius) * angle.sin())
-            v = acb(1)
-        else:
-            half = angle / 2
-            u = acb(arb(self.centre) * half.cos(), arb(self.radius) * half.sin())
-            v = acb(half.cos())
-        size = self.a.nrows()
-        unit = acb_mat([[int(i == j) for j in range(size)] for i in range(size)])
-        shifted = unit * u - self.a * v
-        try:
-            near = shifted.mid().inv().mid()
-            return self.outputs * (near * shifted).solve(near * self.inputs * v) + self.through
-        except ZeroDivisionError:
-            return None
+            move = (self.radius * half).upper()
+            return acb(self.centre + self.radius * angle.cos(), self.radius * angle.sin()), arb(1), move, move
+        u = acb(self.centre * angle.cos(), self.radius * angle.sin())
+        # |cos - cos0| and |sin - sin0| are at most the change of the angle
+        move = half * (abs(self.centre) + self.radius + norm(self.a))
+        return u, angle.cos(), (self.radius * half).upper(), move.upper()
+
+
+def norm(matrix: acb_mat) -> arb:
+    """Frobenius norm, from above."""
+    return sum((abs(x) ** 2 for row in matrix.tolist() for x in row), arb(0)).sqrt().upper()
 
 
 def _sizes(scope: Scope) -> list[tuple[int, int, bool]]:
@@ -99,52 +101,84 @@ def _multipliers(scope: Scope, arcs: int, sizes: list[tuple[int, int, bool]]) ->
     return list(zip(d, g, strict=True))
 
 
-def _spread(values: list[fmpq], counts: list[int]) -> arb_mat:
-    flat = [arb(value) for value, count in zip(values, counts, strict=True) for _ in range(count)]
-    return arb_mat([[x if i == j else arb(0) for j in range(len(flat))] for i, x in enumerate(flat)])
+def _spread(values: list[fmpq], counts: list[int]) -> list[arb]:
+    return [arb(value) for value, count in zip(values, counts, strict=True) for _ in range(count)]
 
 
-def _adjoint(matrix: acb_mat) -> acb_mat:
-    return matrix.conjugate().transpose()
+def _diagonal(values: list[arb]) -> acb_mat:
+    return acb_mat([[x if i == j else 0 for j in range(len(values))] for i, x in enumerate(values)])
 
 
-def _definite(form: acb_mat) -> bool:
-    """Whether a Hermitian matrix in balls is proved positive definite: its real form of twice the size is."""
-    size = form.nrows()
-    entries = form.tolist()
-    real, imaginary = ([[getattr(x, part) for x in row] for row in entries] for part in ("real", "imag"))
-    rows = [[*real[i], *(-x for x in imaginary[i])] for i in range(size)]
-    rows += [[*imaginary[i], *real[i]] for i in range(size)]
-    return ball_positive_definite(arb_mat(rows))
+class _Arc:
+    """The multipliers of one arc, and the form that must be positive on it.
+
+    With weights of (w, d) and of (z, y) made one by scaling, the form is I - N* N - i (S N - N* S*), N the scaled
+    transfer matrix, S the scaled G (from z to w).
+    """
+
+    def __init__(self, plant: _Plant, d: list[fmpq], g: list[fmpq], sizes: list, ports: tuple[int, int, fmpq]) -> None:
+        inputs, outputs, level = ports
+        of_w = _spread([*d, level], [*(p for p, _, _ in sizes), inputs])
+        of_z = _spread([*d, fmpq(1)], [*(q for _, q, _ in sizes), outputs])
+        self.plant = plant
+        self.inputs = plant.inputs * _diagonal([x.rsqrt() for x in of_w])
+        self.outputs = _diagonal([x.sqrt() for x in of_z]) * plant.outputs
+        self.through = _diagonal([x.sqrt() for x in of_z]) * plant.through * _diagonal([x.rsqrt() for x in of_w])
+        self.unit = _diagonal([arb(1)] * plant.a.nrows())
+        self.form_unit = _diagonal([arb(1)] * len(of_w))
+        self.skew = None
+        self.steepness = arb(1)
+        if any(x != 0 for x in g):
+            grid = [[0] * len(of_z) for _ in of_w]
+            row = column = 0
+            for k, (p, q, _) in enumerate(sizes):
+                for i in range(min(p, q)):
+                    grid[row + i][column + i] = acb(arb(g[k] / d[k]))
+                row, column = row + p, column + q
+            self.skew = acb_mat(grid)
+            self.steepness = max((abs(x / y) for x, y in zip(g, d, strict=True)))
+
+    def settled(self, low: Fraction, high: Fraction, depth: int = 0) -> bool:
+        """Whether the form is proved positive on the piece from low to high."""
+        if self._whole(low, high):
+            return True
+        if depth == _DEPTH:
+            return False
+        middle = (low + high) / 2
+        return self.settled(low, middle, depth + 1) and self.settled(middle, high, depth + 1)
+
+    def _whole(self, low: Fraction, high: Fraction) -> bool:
+        u, v, turn, move = self.plant.near(low, high)
+        try:
+            inverse = (self.unit * u - self.plant.a * v).inv()
+        except ZeroDivisionError:
+            return False
+        left, right = self.outputs * inverse, inverse * self.inputs
+        rest = 1 - norm(inverse) * move
+        if not rest > 0:
+            return False
+        change = turn * (norm(left * right) + norm(left) * move * norm(inverse) * norm(right) / rest)
+        n = left * self.inputs * v + self.through
+        adjoint = n.conjugate().transpose()
+        form = self.form_unit - adjoint * n
+        size = norm(n)
+        if self.skew is not None:
+            turned = self.skew * n
+            form = form - (turned - turned.conjugate().transpose()) * acb(0, 1)
+            size = size + self.steepness
+        else:
+            size = size.min(arb(1))  # the form at the middle must be positive, so |N| < 1
+        loss = (2 * size * change + change * change).upper()
+        return hermitian_positive_definite(form - self.form_unit * loss)
 
 
-def _form(m: acb_mat, d: list[fmpq], g: list[fmpq], sizes: list[tuple[int, int, bool]], ports: tuple) -> acb_mat:
-    """w* D w + gamma^2 |d|^2 - z* D z - |y|^2 - i (w* G z - z* G w) in the variables (w, d), with (z, y) = m (w, d)."""
-    inputs, outputs, level = ports
-    of_w = _spread([*d, level], [*(p for p, _, _ in sizes), inputs])
-    of_z = _spread([*d, fmpq(1)], [*(q for _, q, _ in sizes), outputs])
-    form = acb_mat(of_w) - _adjoint(m) * acb_mat(of_z) * m
-    if any(x != 0 for x in g):
-        # G maps z to w: block diagonal, square where g is not zero, and zero elsewhere
-        grid = [[arb(0)] * m.nrows() for _ in range(m.ncols())]
-        row = column = 0
-        for x, (p, q, _) in zip(g, sizes, strict=True):
-            for k in range(min(p, q)):
-                grid[row + k][column + k] = arb(x)
-            row, column = row + p, column + q
-        gm = acb_mat(arb_mat(grid)) * m
-        form = form - (gm - _adjoint(gm)) * acb(0, 1)
-    return form
-
-
-def _settled(plant: _Plant, low: Fraction, high: Fraction, check: tuple, depth: int = 0) -> bool:
-    m = plant.transfer(low, high)
-    if m is not None and _definite(_form(m, *check)):
-        return True
-    if depth == _DEPTH:
-        return False
-    middle = (low + high) / 2
-    return all(_settled(plant, a, b, check, depth + 1) for a, b in ((low, middle), (middle, high)))
+def _plant(p: Matrix, system: tuple[Matrix, ...], centre: arb, radius: arb, disk: bool) -> _Plant:
+    """The system in the coordinates in which P is nearly the identity."""
+    change = cholesky_factor(p.data)
+    a, inputs, outputs, through = (m.to_ball().data for m in system)
+    back = change.inv()
+    whole = (change * a * back, change * inputs, outputs * back, through)
+    return _Plant(*(acb_mat(m) for m in whole), centre, radius, disk)
 
 
 def prove(scope: Scope) -> list[Proved]:
@@ -200,11 +234,9 @@ def prove(scope: Scope) -> list[Proved]:
     of_w = diagonal([eye(s[0]).scaled(Matrix.number(x)) for s, x in zip(sizes, first, strict=True)])
     of_z = diagonal([eye(s[1]).scaled(Matrix.number(x)) for s, x in zip(sizes, first, strict=True)])
     demand(scope, of_w - dw.T @ of_z @ dw, ">", "D - Dw' D Dw")
-    plant = _Plant(
-        *(acb_mat(m.to_ball().data) for m in (a, into, out, through)), to_fmpq(centre), to_fmpq(radius), disk
-    )
+    plant = _plant(lyapunov, (a, into, out, through), arb(to_fmpq(centre)), arb(to_fmpq(radius)), disk)
     for number, (low, high, (d, g)) in enumerate(zip(ends[:-1], ends[1:], rows, strict=True), 1):
-        if not _settled(plant, low, high, (d, g, sizes, (inputs, outputs, level))):
+        if not _Arc(plant, d, g, sizes, (inputs, outputs, level)).settled(low, high):
             raise scope.fail(f"arc {number}, t from {to_text(low)} to {to_text(high)}, is not proved")
     if disk:
         result = [Proved("radius", "less_than", to_text(radius))]
