@@ -1,9 +1,9 @@
 """Mixed H2/H-infinity state feedback of pinheiro2013: the LMIs (21), their limits, and checks by other means."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
+from scipy.linalg import solve_continuous_are
 from scipy.optimize import minimize, minimize_scalar
 
 from gainsay.errors import ComputationError, InputError
@@ -96,8 +96,19 @@ class Design:
     attempts: tuple[dict, ...] = ()
 
 
-def mixed_program(plant: GeneralizedPlant, gamma: float, *, margin: float = 1e-7) -> Program:
+def mixed_program(
+    plant: GeneralizedPlant, gamma: float, *, margin: float = 1e-7, typical: np.ndarray | None = None
+) -> Program:
     """State the mixed problem: least trace of Q subject to (21) with the corrected sign.
+
+    Parameters
+    ----------
+    plant : GeneralizedPlant
+    gamma : float
+    margin : float, optional
+        See `gainsay.lmi.Program`.
+    typical : ndarray, optional
+        Typical size of X, for scaling.
 
     Raises
     ------
@@ -114,7 +125,7 @@ def mixed_program(plant: GeneralizedPlant, gamma: float, *, margin: float = 1e-7
         )
     states, inputs = plant.B2.shape
     X, Y, Q = symmetric("X", states), matrix("Y", inputs, states), symmetric("Q", plant.C2.shape[0])
-    typical = _typical_covariance(plant, gamma)
+    typical = starting_gain(plant, gamma)[1] if typical is None else typical
     return Program(
         minimise=trace(Q),
         subject_to=[h_infinity_block(plant, gamma, X, Y) < 0, h2_block(plant, X, Y, Q) > 0],
@@ -235,15 +246,74 @@ def mixed_by_descent(plant: GeneralizedPlant, gamma: float, start: np.ndarray) -
     return x.reshape(start.shape) * scale, float(np.sqrt(found.fun))
 
 
-def _typical_covariance(plant: GeneralizedPlant, gamma: float) -> np.ndarray:
-    """Covariance of the state for a gain that reaches the level: sizes for scaling only."""
-    for K in (h2_design(plant).K, limit_gain(plant)):
+def starting_gain(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray, np.ndarray]:
+    """Gain that reaches a level, as close to the H2 limit as twelve trials find, and its least covariance.
+
+    On the segment from the H2 gain to `limit_gain`, whose far end reaches every level above gamma_min.
+    """
+    first, last = h2_design(plant).K, limit_gain(plant)
+    try:
+        return first, least_covariance(plant, first, gamma)
+    except ComputationError:
+        low, high, found = 0.0, 1.0, None
+    for _ in range(12):
+        middle = 0.5 * (low + high)
+        K = first + middle * (last - first)
         try:
-            return least_covariance(plant, K, gamma)
+            found, high = (K, least_covariance(plant, K, gamma)), middle
         except ComputationError:
-            continue
-    A, B, *_ = plant.closed(limit_gain(plant))
-    return solve_continuous_lyapunov(A, -B @ B.T)
+            low = middle
+    return found or (last, least_covariance(plant, last, gamma))
+
+
+@dataclass(frozen=True, eq=False)
+class Normalised:
+    """A plant in units in which a solution of (21) at level 1 is near identity matrices.
+
+    Attributes
+    ----------
+    plant : GeneralizedPlant
+        Its level is 1.
+    T : ndarray
+        x = T x'.
+    torque : ndarray, shape (m,)
+        u = torque * u'.
+    K : ndarray
+        A gain that reaches level 1, with the least covariance near the identity.
+    """
+
+    plant: GeneralizedPlant
+    T: np.ndarray
+    torque: np.ndarray
+    K: np.ndarray
+
+    @property
+    def point(self) -> dict[str, np.ndarray]:
+        """A point near the solution: sizes of X, Y and Q."""
+        C2 = self.plant.C2 - self.plant.D22 @ self.K
+        return {"X": np.eye(len(self.T)), "Y": self.K, "Q": C2 @ C2.T}
+
+    def gain(self, K: np.ndarray) -> np.ndarray:
+        """Gain in the units of the original plant."""
+        return self.torque[:, None] * np.linalg.solve(self.T.T, K.T).T
+
+
+def normalised(plant: GeneralizedPlant, gamma: float) -> Normalised:
+    """Choose units by the least covariance of a gain that reaches the level: whitened states, sizes of torque and cost.
+
+    Level, gains and least trace (up to a factor) stay what they are; only the numbers come near one.
+    """
+    K, X = starting_gain(plant, gamma)
+    T = np.linalg.cholesky(X)
+    torque = np.sqrt(np.diag(K @ X @ K.T))
+    C2 = plant.C2 - plant.D22 @ K
+    cost = np.sqrt(np.trace(C2 @ X @ C2.T))
+    to = np.linalg.inv(T)
+    changed = replace(
+        plant, A=to @ plant.A @ T, B1=to @ plant.B1, B2=to @ plant.B2 * torque, C1=plant.C1 @ T / gamma,
+        D11=plant.D11 / gamma, D12=plant.D12 * torque / gamma, C2=plant.C2 @ T / cost, D22=plant.D22 * torque / cost,
+    )  # fmt: skip
+    return Normalised(changed, T, torque, K @ T / torque[:, None])
 
 
 def pitch_norms(plant: GeneralizedPlant, k1: float, k2: float) -> tuple[float, float]:
@@ -268,11 +338,16 @@ def pitch_norms(plant: GeneralizedPlant, k1: float, k2: float) -> tuple[float, f
     return float(h2), float(size * np.sqrt(max(squares)))
 
 
-def pitch_true_optimum(plant: GeneralizedPlant, gamma: float) -> float:
+def pitch_true_optimum(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray, float]:
     """Least H2 norm over both pitch gains with the H-infinity norm at most gamma, without a shared X.
 
     For given k1 >= sqrt 2 |r|/gamma the level asks for k2^2 >= 2 k1 - (2/gamma^2) sqrt((gamma^2 - |r|^2)
     (gamma^2 k1^2 - 2 |r|^2)), and the H2 norm is unimodal in k2, so that one search over k1 remains.
+
+    Returns
+    -------
+    K : ndarray, shape (1, 2)
+    h2 : float
 
     Raises
     ------
@@ -284,7 +359,7 @@ def pitch_true_optimum(plant: GeneralizedPlant, gamma: float) -> float:
         raise InputError("level", field="gamma", value=gamma, expected=f"above gamma_min = {least!r}")
     lowest = np.sqrt(2) * size / gamma
 
-    def along(logarithm: float) -> float:
+    def along(logarithm: float) -> tuple[float, float, float]:
         k1 = lowest * np.exp(logarithm)
         free = max((gamma**2 - size**2) * (gamma**2 * k1**2 - 2 * size**2), 0.0)
         floor = np.sqrt(max(2 * k1 - 2 / gamma**2 * np.sqrt(free), 1e-12))
@@ -292,11 +367,12 @@ def pitch_true_optimum(plant: GeneralizedPlant, gamma: float) -> float:
             lambda x: pitch_norms(plant, k1, floor * np.exp(x))[0], bounds=(0, 8), method="bounded",
             options={"xatol": 1e-12},
         )  # fmt: skip
-        return min(found.fun, pitch_norms(plant, k1, floor)[0])
+        inner = floor * np.exp(found.x)
+        return min((pitch_norms(plant, k1, k2)[0], k1, k2) for k2 in (floor, inner))
 
     grid = np.linspace(0, 8, 161)
-    values = [along(x) for x in grid]
-    i = int(np.argmin(values))
+    i = int(np.argmin([along(x)[0] for x in grid]))
     bounds = (grid[max(i - 1, 0)], grid[min(i + 1, len(grid) - 1)])
-    found = minimize_scalar(along, bounds=bounds, method="bounded", options={"xatol": 1e-12})
-    return float(min(found.fun, values[i]))
+    found = minimize_scalar(lambda x: along(x)[0], bounds=bounds, method="bounded", options={"xatol": 1e-12})
+    h2, k1, k2 = min(along(found.x), along(grid[i]))
+    return np.array([[k1 + plant.A[1, 0], k2]]) / plant.B2[1, 0], h2

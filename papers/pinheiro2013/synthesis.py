@@ -308,7 +308,10 @@ def pareto(case, results):
         if not isinstance(outcome, Solved):
             raise ComputationError("gamma sweep", f"no solution at gamma = {gamma!r}", outcome.attempts)
         shared = mixed.evaluated(plant, gamma, outcome)
-        true = mixed.pitch_true_optimum(plant, gamma)
+        gain, true = mixed.pitch_true_optimum(plant, gamma)
+        A, B, C, D, C2 = plant.closed(gain)
+        if abs(mixed.h2_norm(A, B, C2) / true - 1) > 1e-8 or hinf_norm(A, B, C, D)[0] > gamma * (1 + 1e-8):
+            raise ComputationError("gamma sweep", f"closed forms at gamma = {gamma!r} disagree with the norms")
         results.quantity(
             f"b.pareto.gamma_{level}.shared", shared.h2, source="(20), (21)",
             method="H2 norm of the gain of least trace of Q, one program for all levels",
@@ -319,6 +322,11 @@ def pareto(case, results):
         )  # fmt: skip
         if true > shared.h2 * (1 + 1e-9):
             raise ComputationError("gamma sweep", f"optimum {true!r} above the shared-X design {shared.h2!r}")
+        if level == "2":
+            results.quantity(
+                "b.gamma_2.shared_excess.pitch", shared.h2 / true - 1, source="(20), (21)",
+                method="H2 norm of the gain of least trace over the least H2 norm at the same level",
+            )  # fmt: skip
     results.say("gamma sweep", f"{len(values)} levels from {values[0]:g} to {values[-1]:g}")
 
 

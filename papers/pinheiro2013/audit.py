@@ -1,0 +1,183 @@
+"""Audit of pinheiro2013: its equations as identities, robustness over the inertia, scans over missing inputs."""
+
+import numpy as np
+
+from gainsay.errors import ComputationError
+from gainsay.lmi import Program, Solved, solve, sym, symmetric
+from gainsay.proof import build
+from gainsay.systems.statespace import spectral_abscissa
+from gainsay.tables.results import task
+from papers.pinheiro2013 import formulas
+from papers.pinheiro2013.plant import RECONSTRUCTIONS, linear_model, reconstruction
+from papers.pinheiro2013.scans import SCANS
+from papers.pinheiro2013.synthesis import LEVELS, SEPARATE
+
+ROTATION = (
+    "[[ct*cp, ct*sp, -st], [sf*st*cp - cf*sp, sf*st*sp + cf*cp, sf*ct], [cf*st*cp + sf*sp, cf*st*sp - sf*cp, cf*ct]]"
+)
+RATE = "[[1, 0, -st], [0, cf, sf*ct], [0, -sf, cf*ct]]"
+#: sines and cosines to first order in angles e phi, e theta, e psi
+FIRST_ORDER = {"sf": "e*phi", "cf": "1", "st": "e*theta", "ct": "1", "sp": "e*psi", "cp": "1"}
+CIRCLES = ["cf**2 + sf**2 - 1", "ct**2 + st**2 - 1", "cp**2 + sp**2 - 1"]
+LINEAR_RATE = "[[e*dphi - n*e*psi], [e*dtheta - n], [e*dpsi + n*e*phi]]"
+
+
+def _names(text: str) -> dict[str, dict]:
+    return {name: {} for name in text.split()}
+
+
+def _identity(case, results, quantity: str, statement: str, names: str, left: str, right: str, **more) -> None:
+    """Certify that two formulas agree for all values of their letters and record it."""
+    certificate = build.certificate(
+        "identity", id=quantity.replace(".", "-").replace("_", "-"), paper=case.name, tables=case, statement=statement,
+        unknowns=_names(names), definitions=more.get("definitions", {}),
+        fields={"left": left, "right": right} | ({"modulo": more["modulo"]} if "modulo" in more else {}),
+        quantities={"identity": quantity}, claims=_claims(case, quantity),
+    )  # fmt: skip
+    results.certificate(certificate)
+    results.quantity(quantity, 1, method="identity of polynomials, certified", source=more.get("source", ""))
+
+
+def _different(case, results, quantity: str, statement: str, left: str, right: str, witness: dict, source: str) -> None:
+    """Certify that two formulas differ at the witness and record it."""
+    results.certificate(build.certificate(
+        "different", id=quantity.replace(".", "-").replace("_", "-"), paper=case.name, tables=case, statement=statement,
+        unknowns=_names(" ".join(witness)), witness=witness, fields={"left": left, "right": right},
+        quantities={"identity": quantity}, claims=_claims(case, quantity),
+    ))  # fmt: skip
+    results.quantity(quantity, 0, method="both sides evaluated exactly where they differ, certified", source=source)
+
+
+def _claims(case, quantity: str) -> list[str]:
+    return [claim.id for claim in case.claims.values() if claim.quantity == quantity]
+
+
+@task("(1) to (8)")
+def kinematics(case, results):
+    """Prove the rotation, the rates and the linearisations."""
+    trigonometry = "cf sf ct st cp sp"
+    _identity(case, results, "eq2.rotation", "The matrix of (2) is orthogonal for all angles.", trigonometry,
+              f"({ROTATION})@({ROTATION}).T", "eye(3)", modulo=CIRCLES, source="(2)")  # fmt: skip
+    rates = "[[dphi], [dtheta], [dpsi]]"
+    five = f"({RATE})@{rates} - n*[[ct*sp], [sf*st*sp + cf*cp], [cf*st*sp - sf*cp]]"
+    _identity(case, results, "eq5.kinematics", "(5) is (4): the rate of (3) less n times the second column of (2).",
+              f"{trigonometry} dphi dtheta dpsi n", five, f"({RATE})@{rates} - n*({ROTATION})[0:3, 1:2]",
+              source="(5)")  # fmt: skip
+    small = "e phi theta psi"
+    _identity(case, results, "eq6.linear", "(6) is (5) to first order in angles and rates.",
+              f"{small} dphi dtheta dpsi n", five.replace(rates, f"(e*{rates})"), LINEAR_RATE,
+              definitions=FIRST_ORDER, modulo=["e**2"], source="(6)")  # fmt: skip
+    nadir = {**FIRST_ORDER, "a": "[[-st], [sf*ct], [cf*ct]]", "ax": "a[0, 0]", "ay": "a[1, 0]", "az": "a[2, 0]"}
+    torque = "3*n**2*[[(Iz - Iy)*ay*az], [(Ix - Iz)*az*ax], [(Iy - Ix)*ax*ay]]"
+    _identity(case, results, "eq7.linear", "(7) is the gravity-gradient torque 3 n^2 a3 x (I a3) to first order.",
+              f"{small} n Ix Iy Iz", torque, "3*n**2*e*[[(Iz - Iy)*phi], [(Iz - Ix)*theta], [0]]",
+              definitions=nadir, modulo=["e**2"], source="(7)")  # fmt: skip
+    motion = {
+        "wx": "e*dphi - n*e*psi", "wy": "e*dtheta - n", "wz": "e*dpsi + n*e*phi",
+        "dwx": "e*ddphi - n*e*dpsi", "dwy": "e*ddtheta", "dwz": "e*ddpsi + n*e*dphi",
+        "gx": "3*n**2*(Iz - Iy)*e*phi", "gy": "3*n**2*(Iz - Ix)*e*theta", "gz": "0",
+    }  # fmt: skip
+    euler = (
+        "[[Ix*dwx - (Iy - Iz)*wy*wz - gx], [Iy*dwy - (Iz - Ix)*wz*wx - gy], [Iz*dwz - (Ix - Iy)*wx*wy - gz]]"
+    )  # fmt: skip
+    eight = (
+        "e*[[Ix*ddphi - n*(Ix - Iy + Iz)*dpsi + 4*n**2*(Iy - Iz)*phi], [Iy*ddtheta + 3*n**2*(Ix - Iz)*theta],"
+        " [Iz*ddpsi + n*(Ix - Iy + Iz)*dphi + n**2*(Iy - Ix)*psi]]"
+    )
+    _identity(case, results, "eq8.linear", "(8) is (1) with (6) and (7), to first order.",
+              f"{small} dphi dtheta dpsi ddphi ddtheta ddpsi n Ix Iy Iz", euler, eight,
+              definitions=motion, modulo=["e**2"], source="(8)")  # fmt: skip
+    results.say("(1) to (8)", "rotation, rates and linearisations proved as printed")
+
+
+@task("(13) to (17)")
+def transformations(case, results):
+    """Prove or refute the linear fractional transformations of one block each; v stands for 1/I."""
+    names, exact = "I v p d", "(I + p*d)"
+    relation, point = ["I*v - 1"], {"I": "2", "v": "1/2", "p": "1/2", "d": "1"}
+    _different(case, results, "eq13.printed", "With (1 + delta/I)^-1 the second line of (13) is not 1/(I + p delta).",
+               f"(v*(1 + v*d) - p*v*d*v)*{exact}", "1 + v*d", point, "(13)")  # fmt: skip
+    _identity(case, results, "eq13.corrected", "With (1 + p delta/I)^-1 the second line of (13) is 1/(I + p delta).",
+              names, f"(v*(1 + p*v*d) - p*v*d*v)*{exact}", "1 + p*v*d", modulo=relation, source="(13)")  # fmt: skip
+    closed = "M22*(1 - M11*d) + M21*d*M12"
+    blocks = {"M11": "-p*v", "M12": "v", "M22": "v"}
+
+    def put(text: str, sign: str) -> str:
+        values = {**blocks, "M21": f"{sign}p*v"}
+        for name, value in values.items():
+            text = text.replace(name, f"({value})")
+        return text
+
+    _different(case, results, "eq14.printed", "The block M1 printed in (14) does not give 1/(I + p delta) in (9).",
+               f"({put(closed, '')})*{exact}", put("1 - M11*d", ""), point, "(14)")  # fmt: skip
+    _identity(case, results, "eq14.corrected", "M1 with -p/I in M21 gives 1/(I + p delta) in (9).",
+              names, f"({put(closed, '-')})*{exact}", put("1 - M11*d", "-"), modulo=relation,
+              source="(14)")  # fmt: skip
+    _identity(case, results, "eq15.products", "M2 and M3 give 3 n^2 I x and -3 n^2 I x in (9).", "n I p d",
+              "[[3*n**2*I + 3*n**2*p*d*1], [-3*n**2*I + 3*n**2*p*d*(-1)]]",
+              "[[3*n**2*(I + p*d)], [-3*n**2*(I + p*d)]]", source="(15)")  # fmt: skip
+    _different(case, results, "eq17.torque_sign", "The coefficient -1/Iy of d and u in (17), (18) is not that of (12).",
+               "-v", "v", {"v": "1/2"}, "(12), (17), (18)")  # fmt: skip
+    results.say("(13) to (17)", "two blocks and a sign refuted as printed, proved as corrected")
+
+
+def _common_lyapunov(matrices: list[np.ndarray], alpha: float) -> np.ndarray | None:
+    """Solve for one P with P A + A' P < 2 alpha P at every vertex, or return None."""
+    P = symmetric("P", matrices[0].shape[0])
+    inequalities = [
+        (sym(P @ A) - 2 * alpha * P < 0).named(f"vertex {number}") for number, A in enumerate(matrices, start=1)
+    ]
+    found = solve(Program(subject_to=[*inequalities, (P > 0).named("P > 0")], label="vertex Lyapunov", margin=1e-5))
+    return found["P"] if isinstance(found, Solved) else None
+
+
+@task("robustness over the inertia")
+def robustness(case, results):
+    """Prove stability over all 10 % changes of the three moments at once by one Lyapunov matrix a design."""
+    share = case.number("inertia_change")
+    corners = [share * np.array([a, b, c]) for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)]
+    for name in RECONSTRUCTIONS:
+        satellite = reconstruction(case, name)
+        for level, parameter in LEVELS.items():
+            design = f"{name}_{formulas.GAMMAS[level]}"
+            for group in SEPARATE:
+                K = results.read_design(design)[f"K_{group}"]
+                worst = max(
+                    spectral_abscissa(A - B @ K)
+                    for A, B in (linear_model(satellite.changed(corner), group) for corner in corners)
+                )
+                _certify_vertices(case, results, name, level, design, group, worst)
+                results.quantity(
+                    f"{name}.{level}.worst_abscissa.{group}", worst, source="(11), Section 5",
+                    method="eigenvalues at the eight corners; the certificate bounds it over the whole box",
+                )  # fmt: skip
+            results.quantity(
+                f"{name}.{level}.guaranteed_share", share / case.number(parameter), source="||Delta|| < 1/gamma",
+                method="p over gamma: delta is normalised, so that ||Delta|| < 1/gamma allows p/gamma",
+            )  # fmt: skip
+    results.say("inertia uncertainty", "stability over the whole box certified for twelve loops")
+
+
+def _certify_vertices(case, results, name, level, design, group, worst) -> None:
+    texts = formulas.vertices(group)
+    definitions = {**formulas.inputs(name), "K": f"design('{design}', 'K_{group}')"}
+    values = formulas.evaluated(definitions, [(f"v{i}", text) for i, text in enumerate(texts)], case)
+    matrices = [values[f"v{i}"] for i in range(len(texts))]
+    for alpha in (0.5 * worst, 0.0):
+        P = _common_lyapunov(matrices, alpha)
+        if P is not None:
+            break
+    else:
+        raise ComputationError("robustness", f"no common Lyapunov matrix for {design}, {group}")
+    quantity = f"{name}.{level}.worst_abscissa.{group}"
+    results.certificate(build.certificate(
+        "lyapunov", id=f"robust-{design.replace('_', '-')}-{group.replace('_', '-')}", paper=case.name, tables=case,
+        statement=f"The loop {design}, {group}, is stable for every change of the moments within 10 %, with one P.",
+        definitions=definitions, fields={"matrix": texts, "alpha": f"{alpha:.6g}"}, witness={"P": P},
+        quantities={"abscissa": quantity}, claims=_claims(case, quantity),
+        faith=("That every closed loop of the box is a convex combination of the vertices: each row of (8) is affine"
+               " in 1/I of its axis and in each moment that it multiplies.",),
+    ))  # fmt: skip
+
+
+TASKS = (kinematics, transformations, robustness, *SCANS)

@@ -1,0 +1,309 @@
+"""What the paper says of its three designs, over every plausible value of the inputs that it leaves out.
+
+All scans share their samples: moments of inertia, orbital rate, weights, harmonics and axes of (25), unit of the rates.
+At each, (21) is solved for pitch and for roll and yaw at gamma = 0.2, or at 1.001 of the infimum where 0.2 lies below
+it (the paper calls this level pure H-infinity and gamma_min), at 2 and at 100.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+
+import numpy as np
+
+from gainsay.errors import ComputationError
+from gainsay.lmi import Solved, solve
+from gainsay.simulation.linear import Response
+from gainsay.systems.norms import h2_norm
+from gainsay.tables.results import task
+from gainsay.verdicts.scan import Plausible, plausible, scan
+from papers.pinheiro2013 import mixed, responses
+from papers.pinheiro2013.plant import GROUPS, GeneralizedPlant, Satellite, generalized_plant, perturbed
+
+LEVELS = ("hinf", "mixed", "h2")
+SEPARATE = ("pitch", "roll_yaw")
+_STEPS = 600
+_LONG = 14.0
+_SETTLE_STEP = 5.0
+
+
+def inputs(case) -> tuple[Plausible, ...]:
+    """Inputs that the paper leaves out, with the ranges of the table."""
+    moments = (replace(plausible(case, f"inertia_b_{axis}"), name=f"inertia_{axis}") for axis in "xyz")
+    return (
+        *moments,
+        plausible(case, "orbital_rate", logarithmic=True),
+        plausible(case, "angle_weight", logarithmic=True),
+        plausible(case, "rate_weight", logarithmic=True),
+        plausible(case, "harmonics"),
+        plausible(case, "disturbance_axes"),
+        plausible(case, "rate_unit"),
+    )
+
+
+def rigid(case) -> Callable[[Mapping], bool]:
+    """Return the test whether a rigid body can have the three moments, and those of all plants with uncertainty."""
+    changes = np.vstack([np.zeros(3), 0.01 * case.matrix("pitch_changes"), 0.01 * case.matrix("roll_yaw_changes")])
+
+    def test(point: Mapping) -> bool:
+        moments = (1 + changes) * [point[f"inertia_{axis}"] for axis in "xyz"]
+        return bool(np.all(2 * moments.max(axis=1) <= moments.sum(axis=1)))
+
+    return test
+
+
+def quick_design(plant: GeneralizedPlant, gamma: float) -> np.ndarray:
+    """Gain of the least trace of Q, by one solve in normalised units where that closes the gap, else by several."""
+    unit = mixed.normalised(plant, gamma)
+    program = mixed.mixed_program(unit.plant, 1.0, typical=np.eye(len(plant.A)))
+    found = solve(program, unit.point, rounds=1)
+    if not isinstance(found, Solved) or not found.gap < 1e-6:
+        found = solve(program)
+    if not isinstance(found, Solved):
+        raise ComputationError("(21)", f"no solution at gamma = {gamma!r}", found.attempts)
+    return unit.gain(np.linalg.solve(found["X"], found["Y"].T).T)
+
+
+class Study:
+    """The three designs at one point of the plausible inputs, and what they do; everything computed when asked for.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    point : mapping
+        Values of `inputs`.
+    """
+
+    def __init__(self, case, point: Mapping) -> None:
+        self.case, self.point = case, dict(point)
+        moments = tuple(point[f"inertia_{axis}"] for axis in "xyz")
+        weights = (point["angle_weight"], point["rate_weight"], 1.0)
+        self.satellite = Satellite(moments, point["orbital_rate"], case.number("inertia_change"), weights)
+        self.plants = {group: generalized_plant(self.satellite, group).reduced() for group in SEPARATE}
+
+    def gamma(self, level: str, group: str) -> float:
+        """Level at which a design is made."""
+        printed = {"hinf": "gamma_min", "mixed": "gamma_mixed", "h2": "gamma_max"}[level]
+        return max(self.case.number(printed), mixed.ABOVE * mixed.gamma_min(self.plants[group]))
+
+    @cached_property
+    def gains(self) -> dict[tuple[str, str], np.ndarray]:
+        """Gain by level and group."""
+        return {
+            (level, group): quick_design(self.plants[group], self.gamma(level, group))
+            for level in LEVELS
+            for group in SEPARATE
+        }
+
+    def _start(self, group: str) -> np.ndarray:
+        rates = self.case.matrix("initial_rates")[["xyz".index(a) for a in GROUPS[group]], 0]
+        factor = np.pi / 180 if self.point["rate_unit"] == "deg/s" else 1.0
+        return np.concatenate([np.zeros(len(rates)), factor * rates])
+
+    @cached_property
+    def releases(self) -> dict[tuple[str, str], tuple[Response, list[Response]]]:
+        """Response of the nominal plant, and beside plants 1 and 2, by level and group."""
+        found = {}
+        for (level, group), K in self.gains.items():
+            A, start = responses.loop_matrix(self.satellite, group, K), self._start(group)
+            end = _LONG / -np.linalg.eigvals(A).real.max()
+            others = [responses.loop_matrix(p, group, K) for p in perturbed(self.case, self.satellite, group)]
+            found[level, group] = (
+                Response(A, start, end, _STEPS),
+                [responses.difference(A, other, start, end, _STEPS) for other in others],
+            )
+        return found
+
+    def _per_axis(self, measure: Callable) -> np.ndarray:
+        """Measure for pitch, roll, yaw: measure(group, index of the axis in it)."""
+        return np.array([measure("pitch", 0), measure("roll_yaw", 0), measure("roll_yaw", 1)])
+
+    @cache  # noqa: B019 (a study lives as long as the scans)
+    def peak_angle(self, level: str) -> np.ndarray:
+        """Largest modulus of each angle after release, rad."""
+        return self._per_axis(lambda g, i: abs(self.releases[level, g][0].peak(np.eye(2 * len(GROUPS[g]))[i]).value))
+
+    @cache  # noqa: B019
+    def peak_torque(self, level: str) -> np.ndarray:
+        """Largest modulus of each control torque after release, N m."""
+        return self._per_axis(lambda g, i: abs(self.releases[level, g][0].peak(self.gains[level, g][i]).value))
+
+    @cache  # noqa: B019
+    def settling(self, level: str) -> np.ndarray:
+        """Time after which each angle stays below a share of its peak, s."""
+        peaks = self.peak_angle(level)
+
+        def measure(group: str, i: int) -> float:
+            peak = peaks[0] if group == "pitch" else peaks[1 + i]
+            output = np.eye(2 * len(GROUPS[group]))[i]
+            return self.releases[level, group][0].last_above(output, responses.SETTLED * peak)
+
+        return self._per_axis(measure)
+
+    @cache  # noqa: B019
+    def difference(self, level: str) -> np.ndarray:
+        """Largest difference of each angle between the nominal plant and the worse of plants 1 and 2, rad."""
+
+        def measure(group: str, i: int) -> float:
+            unit = np.eye(2 * len(GROUPS[group]))[i]
+            both = self.releases[level, group][1]
+            return max(abs(response.peak(np.concatenate([unit, -unit])).value) for response in both)
+
+        return self._per_axis(measure)
+
+    @cached_property
+    def disturbed(self) -> dict[tuple[str, str, int], responses.Disturbed]:
+        """Responses to (25), by level, group and acting axis (-1: every axis)."""
+        torque = responses.disturbance(self.case, int(self.point["harmonics"]))
+        end, found = self.case.number("disturbance_horizon"), {}
+        for (level, group), K in self.gains.items():
+            size = len(GROUPS[group])
+            one = self.point["disturbance_axes"] == "one_axis" and size > 1
+            for acting in range(size) if one else (-1,):
+                axes = np.ones(size) if acting < 0 else np.eye(size)[acting]
+                found[level, group, acting] = responses.Disturbed(
+                    self.satellite, group, K, torque, end, axes=axes, step=_SETTLE_STEP
+                )
+        return found
+
+    def _under_torques(self, level: str, output: Callable[[str, int], np.ndarray]) -> np.ndarray:
+        def measure(group: str, i: int) -> float:
+            acting = i if (level, group, i) in self.disturbed and (level, group, -1) not in self.disturbed else -1
+            return abs(self.disturbed[level, group, acting].peak(output(group, i)).value)
+
+        return self._per_axis(measure)
+
+    @cache  # noqa: B019
+    def disturbed_angle(self, level: str) -> np.ndarray:
+        """Largest modulus of each angle under (25), rad."""
+        return self._under_torques(level, lambda g, i: np.eye(2 * len(GROUPS[g]))[i])
+
+    @cache  # noqa: B019
+    def disturbed_torque(self, level: str) -> np.ndarray:
+        """Largest modulus of each control torque under (25), N m."""
+        return self._under_torques(level, lambda g, i: self.gains[level, g][i])
+
+    def gamma_min(self) -> float:
+        """Infimum of the level over all axes."""
+        return max(mixed.gamma_min(plant) for plant in self.plants.values())
+
+    def h2_excess(self) -> float:
+        """Excess of the H2 norm at gamma = 100 over its optimum, the larger of the two groups."""
+        found = []
+        for group, plant in self.plants.items():
+            A, B, _, _, C2 = plant.closed(self.gains["h2", group])
+            found.append(h2_norm(A, B, C2) / mixed.h2_design(plant).h2 - 1)
+        return max(found)
+
+    def peak_momentum(self) -> float:
+        """Largest angular momentum of an axis at the start of the release, N m s."""
+        rates = np.concatenate([self._start(g)[len(GROUPS[g]) :] for g in SEPARATE])
+        moments = np.array([self.satellite.moment(a) for g in SEPARATE for a in GROUPS[g]])
+        return float(np.max(np.abs(rates) * moments))
+
+
+@dataclass(frozen=True)
+class Question:
+    """A claim that is scanned: its quantity at a point, and when it holds.
+
+    Attributes
+    ----------
+    claim, quantity : str
+    value : callable
+        Study -> float.
+    holds : callable
+    criterion : str
+    """
+
+    claim: str
+    quantity: str
+    value: Callable[[Study], float]
+    holds: Callable[[float], bool]
+    criterion: str
+
+
+def _below(limit: float) -> Callable[[float], bool]:
+    return lambda value: value < limit
+
+
+def _ratio(of: str, smaller: str, larger: str) -> Callable[[Study], float]:
+    return lambda s: float(np.max(getattr(s, of)(smaller) / getattr(s, of)(larger)))
+
+
+ONE = _below(1.0)
+QUESTIONS = (
+    Question("gamma-min-value", "scan.gamma_min", Study.gamma_min, lambda v: abs(v - 0.2) <= 0.05,
+             "infimum of the level over all axes within half a unit of the printed digit, 0.15 to 0.25"),
+    Question("gamma-100-pure-h2", "scan.h2_excess", Study.h2_excess, lambda v: v <= 0.01,
+             "H2 norm at gamma = 100 within 1 % of the H2 optimum"),
+    Question("fig6-8-no-difference", "scan.relative_difference",
+             lambda s: float(np.max(s.difference("hinf") / s.peak_angle("hinf"))), lambda v: v <= 0.01,
+             "difference at gamma = 0.2 at most 1 % of the peak of the nominal curve, on every axis"),
+    Question("fig6-8-no-difference-drawn", "scan.drawn_difference",
+             lambda s: float(np.max(s.difference("hinf") / s.peak_angle("h2"))), lambda v: v <= 0.01,
+             "difference at gamma = 0.2 at most 1 % of the red curve's peak, on every axis"),
+    Question("fig6-8-difference-increases", "scan.difference_ratio", _ratio("difference", "hinf", "h2"), ONE,
+             "difference in rad at gamma = 0.2 smaller than at gamma = 100, on every axis"),
+    Question("fig9-11-bigger-overshoot", "scan.torque_ratio", _ratio("peak_torque", "h2", "hinf"), ONE,
+             "peak torque at gamma = 100 smaller than at gamma = 0.2, on every axis"),
+    Question("mixed-less-torque", "scan.mixed_torque_ratio", _ratio("peak_torque", "mixed", "hinf"), ONE,
+             "peak torque at gamma = 2 smaller than at gamma = 0.2, on every axis"),
+    Question("mixed-faster-than-h2", "scan.mixed_settling_ratio", _ratio("settling", "mixed", "h2"), ONE,
+             "settling at gamma = 2 faster than at gamma = 100, on every axis"),
+    Question("mixed-within-wheel", "scan.mixed_torque", lambda s: float(np.max(s.peak_torque("mixed"))),
+             lambda v: v <= 0.15, "peak torque at gamma = 2 at most 0.15 N m, on every axis"),
+    Question("hinf-saturates", "scan.hinf_torque", lambda s: float(np.max(s.peak_torque("hinf"))),
+             lambda v: v >= 0.15, "peak torque at gamma = 0.2 at least 0.15 N m, on some axis"),
+    Question("momentum-within-wheel", "scan.momentum", Study.peak_momentum, lambda v: v <= 4.0,
+             "I times rate at the start at most 4 N m s, on every axis"),
+    Question("fig12-14-hinf-attenuates-best", "scan.disturbed_ratio",
+             lambda s: max(_ratio("disturbed_angle", "hinf", other)(s) for other in ("mixed", "h2")), ONE,
+             "peak angle under (25) at gamma = 0.2 smaller than at gamma = 2 and 100, on every axis"),
+    Question("fig12-14-mixed-between", "scan.mixed_disturbed_ratio", _ratio("disturbed_angle", "mixed", "h2"), ONE,
+             "peak angle under (25) at gamma = 2 smaller than at gamma = 100, on every axis"),
+    Question("hinf-signal-always-bigger", "scan.disturbed_torque_ratio", _ratio("disturbed_torque", "h2", "hinf"), ONE,
+             "peak torque under (25) at gamma = 100 smaller than at gamma = 0.2, on every axis"),
+    Question("hinf-most-robust", "scan.robustness_ratio",
+             lambda s: float(np.max((s.difference("hinf") / s.peak_angle("hinf"))
+                                    / (s.difference("h2") / s.peak_angle("h2")))), ONE,
+             "difference over peak at gamma = 0.2 smaller than at gamma = 100, on every axis"),
+    Question("hinf-faster-than-h2", "scan.settling_ratio", _ratio("settling", "hinf", "h2"), ONE,
+             "settling at gamma = 0.2 faster than at gamma = 100, on every axis"),
+)  # fmt: skip
+
+
+@task("scan over missing inputs")
+def missing_inputs(case, results):
+    """Scan every claim whose outcome may hang on what the paper leaves out."""
+    studies: dict[tuple, Study] = {}
+
+    def study(point: Mapping) -> Study:
+        return studies.setdefault(tuple(point.values()), Study(case, point))
+
+    base = {
+        **{f"inertia_{axis}": case.number(f"inertia_b_{axis}") for axis in "xyz"},
+        **{name: case.number(name) for name in ("orbital_rate", "angle_weight", "rate_weight", "harmonics")},
+        **{name: case.choice(name) for name in ("disturbance_axes", "rate_unit")},
+    }
+    broken = []
+    for question in QUESTIONS:
+        try:
+            found = scan(
+                question.claim, question.quantity, inputs(case), lambda p, q=question: q.value(study(p)),
+                question.holds, criterion=question.criterion, samples=int(case.number("scan_samples")),
+                seed=int(case.number("scan_seed")), admissible=rigid(case),
+            )  # fmt: skip
+        except ComputationError as error:
+            broken.append(str(error))
+            continue
+        results.scan(found)
+        results.quantity(
+            question.quantity, question.value(study(base)), lower=None, upper=None, source="reconstruction B",
+            method=f"at reconstruction B; {found.note}",
+        )  # fmt: skip
+        results.say(f"scan {question.claim}", f"{found.outcome}, {found.holding} of {found.samples}")
+    if broken:
+        raise ComputationError("scan over missing inputs", "; ".join(broken))
+
+
+SCANS = (missing_inputs,)
