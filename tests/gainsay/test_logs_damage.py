@@ -183,7 +183,7 @@ def test_whole_chunks_moved_under_right_checksums(whole, tmp_path, change):
     }[change]
     path = tmp_path / "moved.mcap"
     path.write_bytes(resealed(data, head + one + between + two + tail))
-    read_log(path)  # the helper reseals rightly
+    read_log(path)  # resealing itself is right
     path.write_bytes(resealed(data, body))
     with pytest.raises(LogError, match=r"broken at byte \d+"):
         read_log(path)
