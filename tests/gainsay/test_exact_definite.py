@@ -108,6 +108,9 @@ def test_wide_balls_that_gershgorin_settles():
     # 3 I + [-1/4, 1/4] off the diagonal, n = 4: row sums 3 - 3/4 > 0
     wide = arb_mat([[arb(3) if i == j else ball(0, fmpq(1, 4)) for j in range(4)] for i in range(4)])
     assert ball_positive_definite(wide)
+    # with 6/5 in place of 1/4 the matrix of all off-diagonal entries -6/5 has the eigenvalue 3 - 18/5
+    wide = arb_mat([[arb(3) if i == j else ball(0, fmpq(6, 5)) for j in range(4)] for i in range(4)])
+    assert not ball_positive_definite(wide)
 
 
 def test_nearly_singular_rationals_are_decided_exactly():

@@ -65,6 +65,7 @@ def test_definite_and_not_definite():
     make("definite", {"constraint": "[[2, 2], [..., 2]] >= 0"})
     refused("definite", {"constraint": "[[2, 2], [..., 2]] > 0"})
     refused("definite", {"constraint": "[[2, 2], [0, 2]] > 0"})
+    assert "not symmetric" in refused("definite", {"constraint": "[[2, sqrt(2)], [0, 2]] > 0"})
     make("not_definite", {"constraint": "[[2, 2], [..., 2]] > 0"}, {"z": [1, -1]})
     refused("not_definite", {"constraint": "[[2, 2], [..., 2]] >= 0"}, {"z": [1, -1]})
     refused("not_definite", {"constraint": "[[2, 2], [..., 2]] > 0"}, {"z": [0, 0]})
@@ -166,6 +167,10 @@ def test_bounded_real_and_its_lower_bound():
     assert proved(certificate) == {("norm", "less_than", "0.5001"), ("stable", "holds", None)}
     refused("bounded_real", {**SYSTEM, "gamma": "0.4999"}, {"P": p})
     refused("bounded_real", {**SYSTEM, "D": "1", "gamma": "0.5001"}, {"P": p})
+    # a system that is its feedthrough alone: norm 1
+    still = {"A": "-1", "B": "0", "C": "0", "D": "1"}
+    make("bounded_real", {**still, "gamma": "1.001"}, {"P": "1"})
+    refused("bounded_real", {**still, "gamma": "0.999"}, {"P": "1"})
     make("norm_at_least", {**SYSTEM, "frequency": "0", "gamma": "0.5"}, {"u": [[1, 0]]})
     refused("norm_at_least", {**SYSTEM, "frequency": "0", "gamma": "0.50001"}, {"u": [[1, 0]]})
     # |G(i)| = 1/sqrt(2 * 5)
@@ -234,6 +239,16 @@ def test_robust_disk_and_norm():
     assert ("norm", "less_than", "2") in proved(make("robust_norm", fields, {"P": p, "D1": "0.5"}))
     # at lambda = 1 the gain at zero frequency is 1/1.9 > 0.52
     refused("robust_norm", {**fields, "gamma": "0.52"}, {"P": p, "D1": "0.5"})
+
+
+def test_robust_levels_are_squared_once():
+    dead = {"H": "0", "Cz": "0", "blocks": [["repeated", 1]]}
+    make("robust_disk", {"A": "0.5", **dead, "shift": "0", "radius": "0.51"}, {"P": "1", "D1": "1"})
+    refused("robust_disk", {"A": "0.5", **dead, "shift": "0", "radius": "0.49"}, {"P": "1", "D1": "1"})
+    # 1/(s + 1): norm 1, and P = 1 leaves -2 + 1 + 1/gamma^2
+    first = {"A": "-1", "B": "1", "C": "1", **dead}
+    make("robust_norm", {**first, "gamma": "1.001"}, {"P": "1", "D1": "1"})
+    refused("robust_norm", {**first, "gamma": "0.999"}, {"P": "1", "D1": "1"})
 
 
 def test_skew_multipliers_only_for_real_repeated_numbers():
@@ -377,6 +392,7 @@ def test_positive_on_an_interval():
     refused("positive_on_interval", {"constraint": "[[1, t], [..., 1]] > 0", "low": "-0.999", "high": "1"}, unknowns=t)
     # negative definite beyond 1 in both eigenvalues of diag(1 - t, 1 - t): the determinant only touches zero
     refused("positive_on_interval", {"constraint": "(1 - t)*eye(2) > 0", "low": "0", "high": "2"}, unknowns=t)
+    refused("positive_on_interval", {"constraint": "-(1 + t**2)*eye(2) > 0", "low": "0", "high": "2"}, unknowns=t)
     refused("positive_on_interval", {"constraint": "t*u > 0", "low": "0", "high": "2"}, unknowns={**t, "u": {}})
 
 
@@ -401,7 +417,23 @@ def test_contour_of_a_disk_reaches_the_exact_radius():
     refused("contour", {**lft, "arcs": ["0", "0.5", "0.5", "1"], "shift": "1.5", "radius": "1.12"}, witness)
     refused("contour", {**lft, "shift": "1.5", "radius": "1.12"}, {**witness, "d": [["1"], ["-1"]]})
     refused("contour", {**lft, "shift": "1.5", "radius": "1.12"}, {**witness, "g": [["1"], ["0"]]})
-    refused("contour", {**lft, "Dw": "1", "shift": "1.5", "radius": "1.12"}, witness)
+    assert "D - Dw' D Dw" in refused("contour", {**lft, "Dw": "1", "shift": "1.5", "radius": "1.12"}, witness)
+    refused("contour", {**lft, "arcs": ["0.25", "0.5", "1"], "shift": "1.5", "radius": "1.12"}, witness)
+
+
+def test_contour_needs_the_nominal_eigenvalues_inside():
+    # A = 1 stays away from the imaginary axis for |lambda| <= 1, on its wrong side
+    fields = {
+        "A": "1",
+        "H": "0.1",
+        "Cz": "1",
+        "blocks": [["repeated", 1]],
+        "arcs": ["0", "1"],
+        "alpha": "0",
+        "scale": "1",
+    }
+    make("contour", {**fields, "A": "-1"}, {"P": "1", "d": "1"})
+    assert "nominal" in refused("contour", fields, {"P": "1", "d": "1"})
 
 
 def test_contour_uses_that_a_parameter_is_real():
