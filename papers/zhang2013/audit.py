@@ -1,5 +1,6 @@
 """Audit of zhang2013: the printed K and L on the design model and on the flexible plant."""
 
+from collections.abc import Mapping
 
 import numpy as np
 from flint import fmpq
@@ -11,7 +12,9 @@ from gainsay.systems.delay_bounds import bessel_legendre_delay
 from gainsay.systems.delay_spectrum import gain_stays_below, hinf_norm, rightmost_roots, spectral_abscissa
 from gainsay.tables import Case
 from gainsay.tables.results import Results, task
+from gainsay.verdicts.scan import plausible, scan
 from papers.zhang2013 import certificates as prove
+from papers.zhang2013 import derivations, flight
 from papers.zhang2013.bounds import Structured, largest_delay, least_gamma, lifted
 from papers.zhang2013.formulas import PLANT
 from papers.zhang2013.plant import MODES, Spacecraft
@@ -45,14 +48,30 @@ def poles(case: Case, results: Results) -> None:
     craft, K, L = printed(case)
     A, B = (np.asarray(m, dtype=float) for m in (craft.A, craft.B))
     value = np.linalg.eigvals(A + B @ np.asarray(K, dtype=float)).real.max()
-    results.certificate(prove.abscissa(case, "audit-abscissa", "A + B @ printed('K')", PLANT, "audit.abscissa",
-                                       "Spectral abscissa of A + BK with the printed K."))  # fmt: skip
+    results.certificate(
+        prove.abscissa(
+            case,
+            "audit-abscissa",
+            "A + B @ printed('K')",
+            PLANT,
+            "audit.abscissa",
+            "Spectral abscissa of A + BK with the printed K.",
+        )
+    )
     results.quantity("audit.abscissa", value, method="eigenvalues", source="(3)")
     bandwidth = (np.array(L, dtype=object) @ craft.B)[0, 0]
-    results.certificate(certificate(
-        "enclosed", id="audit-bandwidth", paper=case.name, tables=case, definitions=PLANT,
-        statement="L B of the printed L.", fields={"formula": "printed('L') @ B", "low": "0"},
-        quantities={"value": "audit.observer_bandwidth"}))  # fmt: skip
+    results.certificate(
+        certificate(
+            "enclosed",
+            id="audit-bandwidth",
+            paper=case.name,
+            tables=case,
+            definitions=PLANT,
+            statement="L B of the printed L.",
+            fields={"formula": "printed('L') @ B", "low": "0"},
+            quantities={"value": "audit.observer_bandwidth"},
+        )
+    )
     results.quantity("audit.observer_bandwidth", float(bandwidth), method="rational arithmetic", source="(5)")
     results.say("(3), (5)", f"abscissa of A + BK {value:.6g} 1/s, L B {float(bandwidth):.6g} 1/s")
 
@@ -63,14 +82,24 @@ def delay_margin(case: Case, results: Results) -> None:
     craft, K, L = printed(case)
     loop = craft.design_loop(K, L)
     margin = checked_margin(loop, "(7)")
-    results.quantity("audit.delay_margin", margin.delay, lower=margin.lower, upper=margin.upper, source="(7)",
-                     method="quasi-polynomial, roots isolated; confirmed by rightmost roots")  # fmt: skip
+    results.quantity(
+        "audit.delay_margin",
+        margin.delay,
+        lower=margin.lower,
+        upper=margin.upper,
+        source="(7)",
+        method="quasi-polynomial, roots isolated; confirmed by rightmost roots",
+    )
     # e is not delayed and does not feed on x: (7) is stable exactly if L B > 0 and the loop of x is
     A, Ad = loop.A[:2, :2], loop.A1[:2, :2]
     for degree in (0, 1, 2):
         value = bessel_legendre_delay(A, Ad, degree, 0.9 * margin.delay, 1.002 * margin.delay)
-        results.quantity(f"bessel_legendre.delay_max_order{degree}", value, source="(7)",
-                         method="zero of the best margin, traces of all blocks adding to one")  # fmt: skip
+        results.quantity(
+            f"bessel_legendre.delay_max_order{degree}",
+            value,
+            source="(7)",
+            method="zero of the best margin, traces of all blocks adding to one",
+        )
     results.say("(7)", f"stable up to a constant delay of {margin.delay:.9g} s")
 
 
@@ -79,14 +108,21 @@ def norm(case: Case, results: Results) -> None:
     """Exact H-infinity norm without delay and at d_M."""
     craft, K, L = printed(case)
     loop = craft.design_loop(K, L)
+    results.certificate(prove.norm_without_delay(case, hinf_norm(loop, 0.0).value * (1 + 1e-3)))
     for name, delay in (("delay_0", fmpq(0)), ("delay_30ms", fmpq(3, 100))):
         peak = hinf_norm(loop, float(delay.p) / float(delay.q))
         level = peak.value * (1 + NORM_ROOM)
         if not gain_stays_below(loop, delay, fmpq(round(level * 10**15), 10**15)):
             raise ComputationError("(7), (8)", f"the gain exceeds {level!r}")
-        results.quantity(f"audit.hinf.{name}", peak.value, lower=peak.value * (1 - 1e-13), upper=level,
-                         method=f"level sets and exact response, peak at {peak.frequency:.7g} rad/s; upper: balls over "
-                         "all frequencies", source="(7), (8)")  # fmt: skip
+        results.quantity(
+            f"audit.hinf.{name}",
+            peak.value,
+            lower=peak.value * (1 - 1e-13),
+            upper=level,
+            method=f"level sets and exact response, peak at {peak.frequency:.7g} rad/s; upper: balls over "
+            "all frequencies",
+            source="(7), (8)",
+        )
         results.say("(7), (8)", f"norm {peak.value:.9g} at a delay of {float(delay.p) / float(delay.q):g} s")
 
 
@@ -97,26 +133,49 @@ def analysis(case: Case, results: Results) -> None:
     gamma, d_M, mu = (case.number(name) for name in ("gamma", "d_M", "mu"))
     loop = Delayed.of(craft, K, L, d_M, mu)
     point = lifted(loop, point_at(loop, gamma**2))
-    results.certificate(prove.theorem1(case, "theorem1-printed-gains", "printed('K')", "printed('L')", point,
-                                       "theorem1.feasible"))  # fmt: skip
+    results.certificate(
+        prove.theorem1(case, "theorem1-printed-gains", "printed('K')", "printed('L')", point, "theorem1.feasible")
+    )
     results.quantity("theorem1.feasible", 1, method="exact feasible point", source="(9)")
     least = least_gamma(loop)
     with_slack = least_gamma(loop, Functional(3), theorem1)
     # Theorem 1 bounds the norm for every constant delay up to d_M: its gamma cannot be below the norm at d_M
     floor = hinf_norm(craft.design_loop(K, L), d_M).value
     value = float(np.sqrt(least.value))
-    results.quantity("theorem1.gamma_min", value, lower=floor, upper=float(np.sqrt(least.upper)), source="(9)",
-                     method="P2 = P1, P3 = d_M R without loss; upper: checked point, lower: exact norm")  # fmt: skip
-    results.quantity("theorem1.gamma_min_with_slack", float(np.sqrt(with_slack.upper)), source="(9)",
-                     method="P2 and P3 free, at a checked point")  # fmt: skip
+    results.quantity(
+        "theorem1.gamma_min",
+        value,
+        lower=floor,
+        upper=float(np.sqrt(least.upper)),
+        source="(9)",
+        method="P2 = P1, P3 = d_M R without loss; upper: checked point, lower: exact norm",
+    )
+    results.quantity(
+        "theorem1.gamma_min_with_slack",
+        float(np.sqrt(with_slack.upper)),
+        source="(9)",
+        method="P2 and P3 free, at a checked point",
+    )
     limit = craft.design_loop(K, L).quasi_polynomial.margin().delay
     delay, feasible, infeasible = largest_delay(loop, gamma, limit)
-    results.quantity("theorem1.delay_max", delay, lower=feasible, upper=infeasible, source="(9)",
-                     method="root of the least gamma over d_M")  # fmt: skip
+    results.quantity(
+        "theorem1.delay_max",
+        delay,
+        lower=feasible,
+        upper=infeasible,
+        source="(9)",
+        method="root of the least gamma over d_M",
+    )
     v = Structured(case.number("lambda1_corrected"), case.number("lambda2"))
     delay, feasible, infeasible = largest_delay(loop, gamma, limit, v, theorem1)
-    results.quantity("structured.delay_max", delay, lower=feasible, upper=infeasible, source="(9), (25)",
-                     method="root of the least gamma over d_M")  # fmt: skip
+    results.quantity(
+        "structured.delay_max",
+        delay,
+        lower=feasible,
+        upper=infeasible,
+        source="(9), (25)",
+        method="root of the least gamma over d_M",
+    )
     results.say("(9)", f"least gamma {value:.7g}; certified at gamma = {gamma:g}")
 
 
@@ -127,19 +186,81 @@ def flexible(case: Case, results: Results) -> None:
     for mode in MODES:
         loop = craft.flexible_loop(K, L, mode)
         margin = checked_margin(loop, f"flexible plant, {mode}")
-        results.quantity(f"flexible.delay_margin.{mode}", margin.delay, lower=margin.lower, upper=margin.upper,
-                         method="quasi-polynomial, roots isolated; confirmed by rightmost roots",
-                         source="(1), (4), (6)")  # fmt: skip
+        results.quantity(
+            f"flexible.delay_margin.{mode}",
+            margin.delay,
+            lower=margin.lower,
+            upper=margin.upper,
+            method="quasi-polynomial, roots isolated; confirmed by rightmost roots",
+            source="(1), (4), (6)",
+        )
         results.say("(1), (4), (6)", f"{mode}: stable up to a constant delay of {margin.delay:.9g} s")
     d_M = case.number("d_M")
     for name, mode in (("flexible.abscissa", "paper"), ("flexible.no_observer.abscissa", "no_observer")):
-        results.quantity(name, spectral_abscissa(craft.flexible_loop(K, L, mode), d_M), source="(1), (4), (6)",
-                         method="spectral discretisation and Newton")  # fmt: skip
+        results.quantity(
+            name,
+            spectral_abscissa(craft.flexible_loop(K, L, mode), d_M),
+            source="(1), (4), (6)",
+            method="spectral discretisation and Newton",
+        )
     values, gamma_squared = flexible_point(craft, K, L, case)
-    results.certificate(prove.theorem1(case, "flexible-theorem1", "printed('K')", "printed('L')", values,
-                                       "flexible.theorem1_feasible", plant="flexible",
-                                       gamma_squared=gamma_squared))  # fmt: skip
+    results.certificate(
+        prove.theorem1(
+            case,
+            "flexible-theorem1",
+            "printed('K')",
+            "printed('L')",
+            values,
+            "flexible.theorem1_feasible",
+            plant="flexible",
+            gamma_squared=gamma_squared,
+        )
+    )
     results.quantity("flexible.theorem1_feasible", 1, method="exact feasible point of (9)", source="(1), (4), (6), (9)")
 
 
-TASKS = (poles, delay_margin, norm, analysis, flexible)
+@task("circular orbit")
+def orbit(case: Case, results: Results) -> None:
+    """The orbit rate that belongs to the printed altitude."""
+    radius = case.number("earth_radius") + case.number("altitude")
+    rate = np.sqrt(case.number("earth_parameter") / radius**3)
+    results.quantity("audit.orbit_rate", rate, method="Kepler's third law", source="Numerical example")
+
+
+SCANNED = ("delay_mean", "delay_amplitude", "delay_frequency", "w1_frequency", "delay_mode", "observer_start")
+
+
+@task("Figures 1 to 3")
+def figures(case: Case, results: Results) -> None:
+    """What the text says of Figures 1 and 3, over every plausible value of what it leaves out."""
+    inputs = [plausible(case, name) for name in SCANNED]
+    seen: dict[tuple, dict[str, float]] = {}
+
+    def numbers(point: Mapping) -> dict[str, float]:
+        key = tuple(point[name] for name in SCANNED)
+        if key not in seen:
+            seen[key] = flight.short_numbers(case, point)
+        return seen[key]
+
+    here = {name: case.choice(name) if name.endswith(("mode", "start")) else case.number(name) for name in SCANNED}
+    for name, claims in (("rejection", {"fig3-estimate": 1.0}), ("convergence", {"fig1-converges": 0.05})):
+        results.quantity(
+            f"audit.{name}", numbers(here)[name], method="Gauss collocation over 100 s", source="Figures 1 and 3"
+        )
+        for claim, limit in claims.items():
+            results.scan(
+                scan(
+                    claim,
+                    f"audit.{name}",
+                    inputs,
+                    lambda point, name=name: numbers(point)[name],
+                    lambda value, limit=limit: value < limit,
+                    criterion=f"below {limit:g}",
+                    samples=200,
+                    admissible=lambda point: flight.admissible(case, point),
+                )
+            )
+    results.say("Figures 1 to 3", f"{len(seen)} plausible readings simulated")
+
+
+TASKS = (*derivations.TASKS, orbit, figures, poles, delay_margin, norm, analysis, flexible)

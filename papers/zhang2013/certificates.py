@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 import numpy as np
-from scipy.linalg import solve_continuous_lyapunov
+from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 
 from gainsay.proof import Certificate
 from gainsay.proof.build import certificate, farkas, feasible_point
@@ -14,25 +14,24 @@ from papers.zhang2013.formulas import (
     PLANT,
     ROWS,
     SIGNED,
-    STRUCTURE,
     UNKNOWNS9,
     UNKNOWNS23,
     corrected23,
-    corrected26,
     flexible_loop,
     gains,
     joined,
     nine,
     printed23,
-    printed26,
     size_of,
 )
 
 PAPER = "zhang2013"
 GAMMA = "number('gamma') ** 2"
-THEOREM1_ON_FAITH = "Theorem 1 itself: that (9a) and (9b) imply stability and the norm bound for every admissible delay."
+THEOREM1_ON_FAITH = (
+    "Theorem 1 itself: that (9a) and (9b) imply stability and the norm bound for every admissible delay."
+)
 FORMS = {"printed": printed23, "corrected": corrected23}
-_OFFSETS = {row: sum(size_of(r) for r in ROWS[:i]) for i, row in enumerate(ROWS)}
+OFFSETS = {row: sum(size_of(r) for r in ROWS[:i]) for i, row in enumerate(ROWS)}
 CORE = ("x", "x'", "x_d", "x_M")
 
 
@@ -48,25 +47,7 @@ def lmis(edition: str, gamma_squared: str = GAMMA) -> list[list[str]]:
     return held + [[name, f"{name} > 0"] for name in SIGNED]
 
 
-def corrected_form(case) -> Certificate:
-    """(26) with its corrections is (9) under (25), whatever the unknowns, K, L, lambda1, lambda2."""
-    unknowns = {name: raw for name, raw in UNKNOWNS23.items() if name not in ("X", "M", "N")}
-    unknowns |= {"P21": {"shape": [2, 2]}, "K": {"shape": [1, 2]}, "L": {"shape": [1, 2]}}
-    unknowns |= {"l1": {"shape": [1, 1]}, "l2": {"shape": [1, 1]}}
-    loop = [(name, text) for name, text in gains("K", "L") if name != "K"]
-    sides = [
-        "diag(" + ", ".join(joined(form(part, GAMMA), rows) for part in "ab") + ")"
-        for form, rows in ((nine, NINE), (corrected26, ROWS))
-    ]
-    return certificate(
-        "identity", id="eq26-corrected", paper=PAPER, tables=case,
-        statement="(26a), (26b) with five blocks corrected are (9a), (9b) under (25), identically in every unknown.",
-        definitions=[*PLANT, *loop, *STRUCTURE], unknowns=unknowns, fields={"left": sides[0], "right": sides[1]},
-        quantities={"identity": "theorem2.corrected_form"},
-    )  # fmt: skip
-
-
-def _point(names: Mapping[str, Mapping], seed: int = 1) -> dict[str, list]:
+def point_for(names: Mapping[str, Mapping], seed: int = 1) -> dict[str, list]:
     """Small rational values of unknowns, for showing that two formulas differ."""
     rng = np.random.default_rng(seed)
     point = {}
@@ -81,48 +62,26 @@ def _point(names: Mapping[str, Mapping], seed: int = 1) -> dict[str, list]:
     return point
 
 
-def congruence_definitions() -> list[tuple[str, str]]:
-    """T' (9) T for the two parts, as names Ca and Cb, from the unknowns of (23)."""
-    original = [
-        ("P21", "inverse(X)"),
-        *((f"{name}_o", f"P21.T @ {name} @ P21") for name in ("P11", "Q11", "Q21", "R1")),
-    ]
-    loop = gains("M @ P21", "inverse(P22).T @ N")
-    structure = [
-        (name, text.replace("P11", "P11_o").replace("Q11", "Q11_o").replace("Q21", "Q21_o").replace("R1", "R1_o"))
-        for name, text in STRUCTURE
-    ]
-    whole = [(f"C{part}", f"T.T @ {joined(nine(part, GAMMA), NINE)} @ T") for part in "ab"]
-    return [*original, *loop, *structure, ("T", "diag(X, 1, X, 1, X, 1, X, 1, 1, 1, 1)"), *whole]
+def norm_without_delay(case, value: float, claims: Sequence[str] = ()) -> Certificate:
+    """Bounded real lemma for (7) without delay: the norm is below `value` and the loop stable."""
+    definitions = [*PLANT, *gains("printed('K')", "printed('L')")]
+    from papers.zhang2013.plant import Spacecraft
 
-
-def differing_block(case, row: str, column: str) -> Certificate:
-    """One block of the printed (23a) or (23b) is not that of T' (9) T."""
-    i, j = ROWS.index(row) + 1, ROWS.index(column) + 1
-    a, b = _OFFSETS[row], _OFFSETS[column]
-    here = f"[{a}:{a + size_of(row)}, {b}:{b + size_of(column)}]"
-    zero = f"zeros({size_of(row)}, {size_of(column)})"
+    loop = Spacecraft.of(case).design_loop(case.printed("K").exact, case.printed("L").exact)
+    A, B, C = loop.A + loop.A1, loop.B, loop.C
+    P = solve_continuous_are(A, B, C.T @ C + 1e-7 * np.eye(3), -(value**2) * np.eye(2))
     return certificate(
-        "different", id=f"eq23-block-{i}-{j}", paper=PAPER, tables=case,
-        statement=f"Block ({i},{j}) of (23a) as printed is not that of the congruence of (9a) under (25).",
-        definitions=[*PLANT, *scalars("number('lambda1_corrected')"), *congruence_definitions()],
-        unknowns=UNKNOWNS23, witness=_point(UNKNOWNS23),
-        fields={"left": printed23("a", GAMMA).get((row, column), zero), "right": f"Ca{here}"},
-    )  # fmt: skip
-
-
-def printed26_differs(case) -> Certificate:
-    """(26a) as printed, R1 in Pi221 read as R2, is not (9a) under (25)."""
-    unknowns = {name: raw for name, raw in UNKNOWNS23.items() if name not in ("X", "M", "N")}
-    unknowns |= {"P21": {"shape": [2, 2]}, "K": {"shape": [1, 2]}, "L": {"shape": [1, 2]}}
-    loop = [(name, text) for name, text in gains("K", "L") if name != "K"]
-    return certificate(
-        "different", id="eq26-printed", paper=PAPER, tables=case,
-        statement="(26a) as printed is not (9a) under (25).",
-        definitions=[*PLANT, *scalars("number('lambda1_corrected')"), *loop, *STRUCTURE], unknowns=unknowns,
-        witness=_point(unknowns),
-        fields={"left": joined(printed26("a", GAMMA), ROWS), "right": joined(nine("a", GAMMA), NINE)},
-    )  # fmt: skip
+        "bounded_real",
+        id="hinf-delay-0",
+        paper=PAPER,
+        tables=case,
+        claims=claims,
+        statement="The norm of (7) without delay is below this level, and the loop is stable.",
+        definitions=definitions,
+        witness={"P": P},
+        fields={"A": "A_bar + A_d", "B": "B_bar", "C": "C_z", "D": "C_d", "gamma": f"{value:.9f}"},
+        quantities={"norm": "audit.hinf.delay_0"},
+    )
 
 
 def negative_form(case) -> Certificate:
@@ -137,13 +96,17 @@ def negative_form(case) -> Certificate:
     base = "l1 ** 2 * mu * Q21 - 2 * l1 * P11 + d_M * R1"
     right = [base, f"{base} + 2 * l1 ** 2 * Q11 - 6 * l1 * R1 / d_M"]
     return certificate(
-        "identity", id="lambda1-form", paper=PAPER, tables=case,
+        "identity",
+        id="lambda1-form",
+        paper=PAPER,
+        tables=case,
         statement="On one subspace the left sides of (23a), corrected and printed, are sums of positive definite "
         "matrices for every lambda1 <= 0: neither can be negative.",
-        definitions=[*PLANT, ("T", on)], unknowns=unknowns | {"l1": {"shape": [1, 1]}},
+        definitions=[*PLANT, ("T", on)],
+        unknowns=unknowns | {"l1": {"shape": [1, 1]}},
         fields={"left": f"diag({', '.join(left)})", "right": f"diag({', '.join(right)})"},
         quantities={"identity": "theorem2.negative_lambda1_form"},
-    )  # fmt: skip
+    )
 
 
 def printed_sign_infeasible(case, edition: str, quantity: str, claims: Sequence[str] = ()) -> Certificate:
@@ -151,7 +114,7 @@ def printed_sign_infeasible(case, edition: str, quantity: str, claims: Sequence[
     l1, d_M, mu = case.exact("lambda1"), case.exact("d_M"), case.exact("mu")
     z = [Fraction(0)] * 15
     for row, value in (("x", Fraction(1)), ("x'", -1 / l1), ("x_d", Fraction(1)), ("x_M", Fraction(1))):
-        z[_OFFSETS[row]] = value
+        z[OFFSETS[row]] = value
     first = [[1, 0], [0, 0]]
     weights = {"Q21": mu, "P11": -2 / l1, "R1": d_M / l1**2}
     if edition == "printed":
@@ -159,31 +122,50 @@ def printed_sign_infeasible(case, edition: str, quantity: str, claims: Sequence[
     witness: dict[str, list] = {"(23a)": [[x * y for y in z] for x in z]}
     witness |= {name: [[weight * v for v in line] for line in first] for name, weight in weights.items()}
     return certificate(
-        "farkas", id=f"lambda1-sign-{edition}", paper=PAPER, tables=case, claims=claims,
+        "farkas",
+        id=f"lambda1-sign-{edition}",
+        paper=PAPER,
+        tables=case,
+        claims=claims,
         statement=f"(23), {edition}, has no solution at the printed lambda1 = -0.12.",
-        definitions=[*PLANT, *scalars("number('lambda1')")], unknowns=UNKNOWNS23, witness=witness,
-        fields={"constraints": lmis(edition)}, quantities={"feasible": quantity},
-    )  # fmt: skip
+        definitions=[*PLANT, *scalars("number('lambda1')")],
+        unknowns=UNKNOWNS23,
+        witness=witness,
+        fields={"constraints": lmis(edition)},
+        quantities={"feasible": quantity},
+    )
 
 
 def infeasible(case, name: str, edition: str, lambda1: str, multipliers: Mapping, quantity: str) -> Certificate:
     """(23) has no solution, by multipliers from a solver."""
     named = {label.split(" printed")[0].replace(" > 0", ""): value for label, value in multipliers.items()}
     return farkas(
-        id=name, paper=PAPER, tables=case, multipliers=named, definitions=[*PLANT, *scalars(lambda1)],
+        id=name,
+        paper=PAPER,
+        tables=case,
+        multipliers=named,
+        definitions=[*PLANT, *scalars(lambda1)],
         statement=f"(23), {edition}, has no solution at lambda1 = {lambda1}.",
-        unknowns=UNKNOWNS23, fields={"constraints": lmis(edition)}, quantities={"feasible": quantity},
-    )  # fmt: skip
+        unknowns=UNKNOWNS23,
+        fields={"constraints": lmis(edition)},
+        quantities={"feasible": quantity},
+    )
 
 
 def feasible(case, name: str, edition: str, lambda1: str, point: Mapping, quantity: str, claims=()) -> Certificate:
     """(23) has a solution."""
     return feasible_point(
-        id=name, paper=PAPER, tables=case, claims=claims, definitions=[*PLANT, *scalars(lambda1)],
+        id=name,
+        paper=PAPER,
+        tables=case,
+        claims=claims,
+        definitions=[*PLANT, *scalars(lambda1)],
         statement=f"(23), {edition}, is feasible at lambda1 = {lambda1}.",
-        unknowns=UNKNOWNS23, point={key: np.atleast_2d(point[key]) for key in UNKNOWNS23},
-        fields={"constraints": lmis(edition)}, quantities={"feasible": quantity},
-    )  # fmt: skip
+        unknowns=UNKNOWNS23,
+        point={key: np.atleast_2d(point[key]) for key in UNKNOWNS23},
+        fields={"constraints": lmis(edition)},
+        quantities={"feasible": quantity},
+    )
 
 
 def accepted(
@@ -193,54 +175,88 @@ def accepted(
     unknowns = {key: raw for key, raw in UNKNOWNS23.items() if key not in ("M", "N")}
     derived = (("M", f"{K} @ X"), ("N", f"P22.T @ {L}"))
     return feasible_point(
-        id=name, paper=PAPER, tables=case, claims=claims, definitions=[*PLANT, *scalars(lambda1), *derived],
+        id=name,
+        paper=PAPER,
+        tables=case,
+        claims=claims,
+        definitions=[*PLANT, *scalars(lambda1), *derived],
         statement=f"(23), {edition}, accepts K = {K}, L = {L} at lambda1 = {lambda1}.",
-        unknowns=unknowns, point={key: np.atleast_2d(point[key]) for key in unknowns},
-        fields={"constraints": lmis(edition)}, quantities={"feasible": quantity},
-    )  # fmt: skip
+        unknowns=unknowns,
+        point={key: np.atleast_2d(point[key]) for key in unknowns},
+        fields={"constraints": lmis(edition)},
+        quantities={"feasible": quantity},
+    )
 
 
 def gamma_floor(case) -> Certificate:
     """gamma^2 > C2^2 wherever the corrected (23a) holds: a constant w1 that the estimate cancels reaches y undamped."""
     z = [Fraction(0)] * 15
     for row, value in (("e", 1), ("e_d", 1), ("e_M", 1), ("w1", -1), ("y", case.exact("C2"))):
-        z[_OFFSETS[row]] = Fraction(value)
+        z[OFFSETS[row]] = Fraction(value)
     free = UNKNOWNS23 | {"g": {"shape": [1, 1]}}
     return certificate(
-        "dual_bound", id="gamma-floor", paper=PAPER, tables=case,
+        "dual_bound",
+        id="gamma-floor",
+        paper=PAPER,
+        tables=case,
         statement="No design that the corrected (23a) accepts has gamma below |C2|.",
-        definitions=[*PLANT, *scalars("number('lambda1_corrected')")], unknowns=free,
+        definitions=[*PLANT, *scalars("number('lambda1_corrected')")],
+        unknowns=free,
         witness={"(23a)": [[x * y for y in z] for x in z], "Q22": [[case.exact("mu")]]},
         fields={"constraints": lmis("corrected", "g"), "minimise": "g", "bound": "C2 ** 2"},
         quantities={"objective": "theorem2.gamma_squared_floor"},
-    )  # fmt: skip
+    )
 
 
-def theorem1(case, name: str, K: str, L: str, point: Mapping, quantity: str, *, plant: str = "design", claims=(),
-             gamma_squared: str = GAMMA, statement: str = "") -> Certificate:  # fmt: skip
+def theorem1(
+    case,
+    name: str,
+    K: str,
+    L: str,
+    point: Mapping,
+    quantity: str,
+    *,
+    plant: str = "design",
+    claims=(),
+    gamma_squared: str = GAMMA,
+    statement: str = "",
+) -> Certificate:
     """(9a), (9b) hold for given gains on the design model or on the flexible plant (mode "paper", no w2')."""
     flexible = plant == "flexible"
     size, inputs = (7, 1) if flexible else (3, 2)
     definitions = [*(FLEXIBLE if flexible else PLANT), *(flexible_loop if flexible else gains)(K, L)]
     sizes = {"z": size, "w": inputs, "y": 1}
     unknowns = {key: {**raw, "shape": [size, size]} for key, raw in UNKNOWNS9.items()}
-    held = [
-        [f"(9{part})", joined(nine(part, gamma_squared, size, inputs), NINE, sizes) + " < 0"] for part in "ab"
-    ] + [[key, f"{key} > 0"] for key in ("P1", "Q1", "Q2", "R")]
+    held = [[f"(9{part})", joined(nine(part, gamma_squared, size, inputs), NINE, sizes) + " < 0"] for part in "ab"] + [
+        [key, f"{key} > 0"] for key in ("P1", "Q1", "Q2", "R")
+    ]
     return feasible_point(
-        id=name, paper=PAPER, tables=case, claims=claims, definitions=definitions, unknowns=unknowns,
+        id=name,
+        paper=PAPER,
+        tables=case,
+        claims=claims,
+        definitions=definitions,
+        unknowns=unknowns,
         statement=statement or f"(9a) and (9b) hold for K = {K}, L = {L} on the {plant} model.",
         point={key: np.atleast_2d(point[key]) for key in unknowns},
-        fields={"constraints": held}, quantities={"feasible": quantity}, faith=(THEOREM1_ON_FAITH,),
-    )  # fmt: skip
+        fields={"constraints": held},
+        quantities={"feasible": quantity},
+        faith=(THEOREM1_ON_FAITH,),
+    )
 
 
 def abscissa(case, name: str, matrix: str, definitions: Sequence, quantity: str, statement: str) -> Certificate:
     """Enclosure of a spectral abscissa."""
     return certificate(
-        "eigenvalues", id=name, paper=PAPER, tables=case, statement=statement, definitions=definitions,
-        fields={"matrix": matrix, "measure": "abscissa"}, quantities={"abscissa": quantity},
-    )  # fmt: skip
+        "eigenvalues",
+        id=name,
+        paper=PAPER,
+        tables=case,
+        statement=statement,
+        definitions=definitions,
+        fields={"matrix": matrix, "measure": "abscissa"},
+        quantities={"abscissa": quantity},
+    )
 
 
 def unstable(
@@ -251,7 +267,13 @@ def unstable(
     P = (P + P.T) / 2
     z = np.linalg.eigh(P)[1][:, :1]
     return certificate(
-        "unstable", id=name, paper=PAPER, tables=case, statement=statement, definitions=definitions,
-        fields={"matrix": matrix, "alpha": "0"}, witness={"P": P / np.abs(P).max(), "z": z},
+        "unstable",
+        id=name,
+        paper=PAPER,
+        tables=case,
+        statement=statement,
+        definitions=definitions,
+        fields={"matrix": matrix, "alpha": "0"},
+        witness={"P": P / np.abs(P).max(), "z": z},
         quantities={"stable": quantity},
-    )  # fmt: skip
+    )

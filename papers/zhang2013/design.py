@@ -81,8 +81,8 @@ def least_squares_program(s: Setting, level: float = 1e-3) -> Program:
     return Program(minimise=total, subject_to=[*held, norm > 0], label="(23) least squares")
 
 
-def fast_program(s: Setting, level: float = 1e-4) -> Program:
-    """Least gamma^2 of the corrected (23), `inequalities` at a level and bounded entries."""
+def fast_program(s: Setting, level: float = 1e-4, bound: float = 100.0) -> Program:
+    """Least gamma^2 of the corrected (23), `inequalities` at a level and entries within a bound."""
     v, gamma_squared = Unknowns(), scalar("gamma2")
 
     def edition(s: Setting, v: Unknowns, part: str) -> BlockMatrix:
@@ -91,12 +91,15 @@ def fast_program(s: Setting, level: float = 1e-4) -> Program:
             F[row, row] = -(gamma_squared * np.eye(1))
         return F
 
-    return Program(minimise=gamma_squared, subject_to=[*inequalities(s, v, edition, level), *entries(v)],
-                   label="(23) least gamma")  # fmt: skip
+    return Program(
+        minimise=gamma_squared,
+        subject_to=[*inequalities(s, v, edition, level), *entries(v, bound)],
+        label="(23) least gamma",
+    )
 
 
 def unsound_program(s: Setting, edition: Edition, push: float = 1.0) -> Program:
-    """The LMIs with N B <= -push: P22 > 0 follows from the block (4,4), so that L B < 0 and the observer is unstable."""
+    """The LMIs with N B <= -push: block (4,4) makes P22 > 0, so that L B < 0 and the observer is unstable."""
     v = Unknowns()
     wrong = within(v.N @ s.B, [[-ENTRY_BOUND]], [[-push]], "N B")
     return Program(subject_to=[*inequalities(s, v, edition, 0.0), *entries(v), *wrong], label="(23), unstable observer")

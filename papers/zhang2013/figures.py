@@ -1,4 +1,4 @@
-"""What the captions of Figures 1 to 3 announce, drawn from the logs (the pictures themselves are lost), and one of ours."""
+"""What the captions of Figures 1 to 3 announce, drawn from the logs (the pictures are lost), and two of ours."""
 
 from collections.abc import Mapping
 
@@ -16,7 +16,9 @@ READINGS = (
 )
 
 
-def _draw(figure: Figure, logs: Mapping[str, Log], title: str, topic: str, field: str, until: float, runs: tuple) -> None:
+def _draw(
+    figure: Figure, logs: Mapping[str, Log], title: str, topic: str, field: str, until: float, runs: tuple
+) -> None:
     (panel,) = panels(figure, [title])
     for run, label, role in runs:
         signal = logs[run][topic]
@@ -44,12 +46,16 @@ def estimation(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
 def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw the printed controller beside designs of ours."""
     left, right = panels(figure, ["Pitch angle [rad]", "Estimation error [N m]"], columns=2)
-    runs = (("nominal", "printed", "nominal"), ("repaired", "repaired", "axis_3"),
-            ("resynthesised", "least squares", "comparison"))  # fmt: skip
+    runs = (
+        ("nominal", "printed", "nominal"),
+        ("repaired", "repaired", "axis_3"),
+        ("resynthesised", "least squares", "comparison"),
+    )
     for run, label, role in runs:
         for panel, topic, field, until in (
-            (left, "/spacecraft/attitude", "angle", _SHOWN), (right, "/observer", "error", _ESTIMATE),
-        ):  # fmt: skip
+            (left, "/spacecraft/attitude", "angle", _SHOWN),
+            (right, "/observer", "error", _ESTIMATE),
+        ):
             signal = logs[run][topic]
             shown = signal.time <= until
             curve(panel, signal.time[shown], signal.column(field)[shown], role, label)
@@ -67,14 +73,34 @@ def refused(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
 
 
 FIGURES = (
-    FigureSpec("figure_1", ("nominal", "input_delayed_matched", "no_observer"),
-               "Figure 1: attitude angle, in two readings of the text and without the observer.", angle),
-    FigureSpec("figure_2", ("nominal", "input_delayed_matched", "no_observer"),
-               "Figure 2: attitude angle rate, in two readings of the text and without the observer.", rate),
-    FigureSpec("figure_3", ("nominal", "input_delayed_matched"),
-               "Figure 3: error of the estimated elastic vibration torque, in two readings of the text.", estimation),
-    FigureSpec("designs", ("nominal", "repaired", "resynthesised"),
-               "The printed controller beside our repaired design and the least-squares solution of Theorem 2.", designs),
-    FigureSpec("refused", ("fast",),
-               "A design of least gamma: accepted by the corrected Theorem 2, unstable on the flexible plant.", refused),
-)  # fmt: skip
+    FigureSpec(
+        "figure_1",
+        ("nominal", "input_delayed_matched", "no_observer"),
+        "Figure 1: attitude angle, in two readings of the text and without the observer.",
+        angle,
+    ),
+    FigureSpec(
+        "figure_2",
+        ("nominal", "input_delayed_matched", "no_observer"),
+        "Figure 2: attitude angle rate, in two readings of the text and without the observer.",
+        rate,
+    ),
+    FigureSpec(
+        "figure_3",
+        ("nominal", "input_delayed_matched"),
+        "Figure 3: error of the estimated elastic vibration torque, in two readings of the text.",
+        estimation,
+    ),
+    FigureSpec(
+        "designs",
+        ("nominal", "repaired", "resynthesised"),
+        "The printed controller beside our repaired design and the least-squares solution of Theorem 2.",
+        designs,
+    ),
+    FigureSpec(
+        "refused",
+        ("fast",),
+        "A design of least gamma: accepted by the corrected Theorem 2, unstable on the flexible plant.",
+        refused,
+    ),
+)

@@ -30,10 +30,13 @@ FLEXIBLE: tuple[tuple[str, str], ...] = (
     ("Lambda", "diag(number('omega1') ** 2, number('omega2') ** 2)"),
     ("C_m", "diag(2 * number('xi1') * number('omega1'), 2 * number('xi2') * number('omega2'))"),
     ("V", "row(F @ Lambda, F @ C_m)"),
-    ("A_f", "[[A, col(zeros(1, 4), V / J_e)], [zeros(2, 2), row(zeros(2, 2), eye(2))], "
-            "[zeros(2, 2), -row(Lambda, C_m) - F.T @ V / J_e]]"),
+    (
+        "A_f",
+        "[[A, col(zeros(1, 4), V / J_e)], [zeros(2, 2), row(zeros(2, 2), eye(2))], "
+        "[zeros(2, 2), -row(Lambda, C_m) - F.T @ V / J_e]]",
+    ),
     ("B_f", "col(B, zeros(2, 1), -F.T / J_e)"),
-)  # fmt: skip
+)
 """(1) in the state (theta, theta', eta1, eta2, eta1', eta2')."""
 
 

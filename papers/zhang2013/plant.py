@@ -83,9 +83,7 @@ class Spacecraft:
     def vibration(self) -> np.ndarray:
         """Row that gives w2 = F (C_m eta' + Lambda eta) from (eta1, eta2, eta1', eta2'), shape (1, 4), N m."""
         stiffness = [f * w * w for f, w in zip(self.coupling, self.frequency, strict=True)]
-        damping = [
-            2 * f * z * w for f, z, w in zip(self.coupling, self.damping, self.frequency, strict=True)
-        ]
+        damping = [2 * f * z * w for f, z, w in zip(self.coupling, self.damping, self.frequency, strict=True)]
         return exact([stiffness + damping])
 
     def flexible(self) -> tuple[np.ndarray, np.ndarray]:

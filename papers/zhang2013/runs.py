@@ -1,12 +1,9 @@
 """The runs of the numerical example: both readings of the delay, both starts of the observer, and designs of ours."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
-from gainsay.errors import InputError
 from gainsay.logs import (
     Appendage,
     Body,
@@ -25,147 +22,13 @@ from gainsay.logs import (
     Tab,
     Text,
 )
-from gainsay.simulation.delay import DelayLaw, DelaySolution, simulate_delay
 from gainsay.tables import Case
-from papers.zhang2013.plant import Spacecraft
+from papers.zhang2013.flight import Flight, external_torque, fly, numbers
 
-STARTS = ("zero", "matched")
-"""Start of the observer's own state: p(0) = 0, or p(0) = -L x(0), for which the first estimate is zero."""
-STEP, STAGES = 0.02, 5
 SECOND = {"step": 0.03, "stages": 6}
 """The second solution, on another mesh and of another order, that bands every number."""
-ESTIMATION_WINDOW = 50.0
 DRAWN_DEFLECTION = 20.0
 """Metres drawn at the tip for one unit of a modal coordinate: deflections of millimetres become visible."""
-
-
-def delay_law(case: Case) -> DelayLaw:
-    """d(t) = mean + amplitude sin(frequency t) within 0..d_M and d' <= mu."""
-    mean, amplitude, frequency = (case.number(f"delay_{name}") for name in ("mean", "amplitude", "frequency"))
-    return DelayLaw(lambda t: mean + amplitude * np.sin(frequency * t), case.number("d_M"), case.number("mu"))
-
-
-def external_torque(case: Case) -> Callable[[np.ndarray], np.ndarray]:
-    """w1(t) as printed: amplitude (3 cos t + 1.5 sin t), N m."""
-    size, c, s, w = (case.number(f"w1_{name}") for name in ("amplitude", "cosine", "sine", "frequency"))
-    return lambda t: size * (c * np.cos(w * t) + s * np.sin(w * t))
-
-
-@dataclass(frozen=True)
-class Flight:
-    """One closed loop on the flexible plant and its solution.
-
-    Attributes
-    ----------
-    solution : DelaySolution
-        State (theta, theta', eta1, eta2, eta1', eta2') and w2hat where there is an observer.
-    K : ndarray, shape (2,)
-    vibration : ndarray, shape (4,)
-        Row of w2 over (eta, eta').
-    law : DelayLaw
-    mode : str
-    """
-
-    solution: DelaySolution
-    K: np.ndarray
-    vibration: np.ndarray
-    law: DelayLaw
-    mode: str
-
-    def w2(self, states: np.ndarray) -> np.ndarray:
-        """Torque of the flexible modes on the body, N m."""
-        return states[:, 2:6] @ self.vibration
-
-    def estimate(self, states: np.ndarray) -> np.ndarray:
-        """w2hat, N m; zero without observer."""
-        return np.zeros(len(states)) if self.mode == "no_observer" else states[:, 6]
-
-    def torque(self, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The two parts of (6) as applied, N m: K x and -w2hat."""
-        late = self.solution(times - self.law(times))
-        return late[:, :2] @ self.K, -self.estimate(late if self.mode == "all" else states)
-
-
-def fly(case: Case, K: np.ndarray, L: np.ndarray, mode: str, start: str, **scheme: float) -> Flight:
-    """Simulate the flexible loop over the horizon.
-
-    Parameters
-    ----------
-    K, L : ndarray, shape (1, 2)
-    mode : str
-        One of `papers.zhang2013.plant.MODES`.
-    start : str
-        One of `STARTS`. In mode "all" the estimate before t = 0, which the delayed input still sees, is that of t = 0.
-    **scheme
-        step and stages of the collocation.
-    """
-    if start not in STARTS:
-        raise InputError("start of the observer", value=start, expected=", ".join(STARTS))
-    craft, law, w1 = Spacecraft.of(case), delay_law(case), external_torque(case)
-    loop = craft.flexible_loop(K, L, mode)
-    x0 = np.array([case.number("theta0"), case.number("rate0")])
-    initial = np.zeros(loop.order)
-    initial[:2] = x0
-    if mode != "no_observer" and start == "zero":
-        initial[6] = (np.asarray(L) @ x0).item()
-    push = loop.B[:, 0]
-    solution = simulate_delay(
-        loop.A, loop.Bd, loop.Cd, law, initial, case.number("horizon"), forcing=lambda t: w1(t)[:, None] * push,
-        **({"step": STEP, "stages": STAGES} | scheme),
-    )  # fmt: skip
-    return Flight(solution, np.asarray(K, dtype=float).ravel(), craft.vibration[0].astype(float), law, mode)
-
-
-def lowest_angle(flight: Flight) -> tuple[float, float]:
-    """Time (s) and value (rad) of the least angle over the whole run, between samples too."""
-    solution = flight.solution
-    times = np.linspace(solution.mesh[0], solution.mesh[-1], 4 * len(solution.mesh))
-    k = int(np.argmin(solution(times)[:, 0]))
-    low, high = times[max(k - 1, 0)], times[min(k + 1, len(times) - 1)]
-
-    def rate(t: float) -> float:
-        return float(solution(t)[0, 1])
-
-    if rate(low) < 0 < rate(high):  # theta' is a state: its zero is the minimum
-        time = float(brentq(rate, low, high, xtol=1e-13))
-        return time, float(solution(time)[0, 0])
-    return float(times[k]), float(solution(times[k])[0, 0])
-
-
-def last_outside(flight: Flight, radius: float) -> float:
-    """Last time at which |theta| is at least the radius, s, to the grid of a quarter of the mesh and then bisected."""
-    solution = flight.solution
-    times = np.linspace(solution.mesh[0], solution.mesh[-1], 4 * len(solution.mesh))
-    outside = np.flatnonzero(np.abs(solution(times)[:, 0]) >= radius)
-    if not outside.size:
-        return 0.0
-    k = outside[-1]
-    if k == len(times) - 1:
-        return float(times[-1])
-    return float(brentq(lambda t: abs(solution(t)[0, 0]) - radius, times[k], times[k + 1], xtol=1e-12))
-
-
-def numbers(flight: Flight) -> dict[str, tuple[float, float, str]]:
-    """Return the located numbers of a run: name -> (time, value, unit)."""
-    solution = flight.solution
-    end = float(solution.mesh[-1])
-    window = min(ESTIMATION_WINDOW, end)
-    error = solution.integral(lambda t, x: (flight.w2(x) - flight.estimate(x)) ** 2, [window])[0]
-    vibration = solution.integral(lambda t, x: flight.w2(x) ** 2, [window])[0]
-    angle = solution.integral(lambda t, x: x[:, 0] ** 2, [end])[0]
-    time, lowest = lowest_angle(flight)
-    found = {
-        "theta_10s": (min(10.0, end), float(solution(min(10.0, end))[0, 0]), "rad"),
-        "theta_min": (time, lowest, "rad"),
-        "theta_end": (end, float(solution(end)[0, 0]), "rad"),
-        "squared_angle": (end, float(angle), "rad^2 s"),
-        "vibration_rms_50s": (window, float(np.sqrt(vibration / window)), "N m"),
-    }
-    settled = last_outside(flight, 1e-3)
-    found["settling_1mrad"] = (settled, settled, "s")
-    if flight.mode != "no_observer":
-        found["estimation_error_rms_50s"] = (window, float(np.sqrt(error / window)), "N m")
-    return found
 
 
 def record(case: Case, flight: Flight, second: Flight, log: LogWriter) -> None:
@@ -184,8 +47,10 @@ def record(case: Case, flight: Flight, second: Flight, log: LogWriter) -> None:
     parts = {"total": "N m", "feedback": "N m", "compensation": "N m"}
     log.signal("/torque", parts, time, np.column_stack([feedback + compensation, feedback, compensation]))
     log.signal("/delay", {"delay": "s"}, time, flight.law(time)[:, None])
-    squares = [flight.solution.integral(density, time) for density in (
-        lambda t, x: (flight.w2(x) - flight.estimate(x)) ** 2, lambda t, x: x[:, 0] ** 2)]  # fmt: skip
+    squares = [
+        flight.solution.integral(density, time)
+        for density in (lambda t, x: (flight.w2(x) - flight.estimate(x)) ** 2, lambda t, x: x[:, 0] ** 2)
+    ]
     log.signal("/integrals", {"squared_error": "N^2 m^2 s", "squared_angle": "rad^2 s"}, time, np.column_stack(squares))
     again = numbers(second)
     for name, (instant, value, unit) in numbers(flight).items():
@@ -245,26 +110,64 @@ def measure(prefix: str, *wanted: str) -> Callable[[Case, Log], Mapping[str, Mea
     return measured
 
 
-SHORT = ("theta_10s", "theta_min", "theta_end", "squared_angle", "settling_1mrad", "vibration_rms_50s")
+SHORT = (
+    "theta_10s",
+    "theta_min",
+    "theta_end",
+    "rate_end",
+    "vibration_rms_end",
+    "squared_angle",
+    "settling_1mrad",
+    "vibration_rms_50s",
+)
 FULL = (*SHORT, "estimation_error_rms_50s")
 RUNS = (
-    RunSpec("nominal", "printed K and L, K x delayed as in (6), p(0) = 0", printed("paper", "zero"),
-            measure("run", *FULL)),
-    RunSpec("matched_start", "printed K and L, K x delayed as in (6), p(0) = -L x(0)", printed("paper", "matched"),
-            measure("run.matched_start", *FULL)),
-    RunSpec("input_delayed", "printed K and L, the whole input delayed, p(0) = 0", printed("all", "zero"),
-            measure("run.input_delayed", *FULL)),
-    RunSpec("input_delayed_matched", "printed K and L, the whole input delayed, p(0) = -L x(0)",
-            printed("all", "matched"), measure("run.input_delayed_matched", *FULL)),
-    RunSpec("no_observer", "printed K alone, K x delayed", printed("no_observer", "zero"),
-            measure("run.no_observer", *SHORT)),
-    RunSpec("resynthesised", "least-squares solution of the corrected Theorem 2, K x delayed, p(0) = 0",
-            designed("resynthesised"), measure("run.resynthesised", *FULL)),
-    RunSpec("fast", "design that the corrected Theorem 2 accepts and the flexible plant refuses", designed("fast"),
-            measure("run.fast", *FULL)),
-    RunSpec("repaired", "our design certified on the flexible plant, K x delayed, p(0) = 0", designed("repaired"),
-            measure("run.repaired", *FULL)),
-)  # fmt: skip
+    RunSpec(
+        "nominal", "printed K and L, K x delayed as in (6), p(0) = 0", printed("paper", "zero"), measure("run", *FULL)
+    ),
+    RunSpec(
+        "matched_start",
+        "printed K and L, K x delayed as in (6), p(0) = -L x(0)",
+        printed("paper", "matched"),
+        measure("run.matched_start", *FULL),
+    ),
+    RunSpec(
+        "input_delayed",
+        "printed K and L, the whole input delayed, p(0) = 0",
+        printed("all", "zero"),
+        measure("run.input_delayed", *FULL),
+    ),
+    RunSpec(
+        "input_delayed_matched",
+        "printed K and L, the whole input delayed, p(0) = -L x(0)",
+        printed("all", "matched"),
+        measure("run.input_delayed_matched", *FULL),
+    ),
+    RunSpec(
+        "no_observer",
+        "printed K alone, K x delayed",
+        printed("no_observer", "zero"),
+        measure("run.no_observer", *SHORT),
+    ),
+    RunSpec(
+        "resynthesised",
+        "least-squares solution of the corrected Theorem 2, K x delayed, p(0) = 0",
+        designed("resynthesised"),
+        measure("run.resynthesised", *FULL),
+    ),
+    RunSpec(
+        "fast",
+        "design that the corrected Theorem 2 accepts and the flexible plant refuses",
+        designed("fast"),
+        measure("run.fast", *FULL),
+    ),
+    RunSpec(
+        "repaired",
+        "our design certified on the flexible plant, K x delayed, p(0) = 0",
+        designed("repaired"),
+        measure("run.repaired", *FULL),
+    ),
+)
 
 ABOUT = """# Flexible spacecraft of Zhang, Li and Guo 2013
 
@@ -276,27 +179,59 @@ w2 of the modes on the body. Panels are drawn bending 20 m for a unit of modal c
 - **Delay**: d(t) is not given in the text; ours touches zero and the bound 0.03 s.
 """
 
-LAYOUT = Layout("zhang2013", (
-    Tab("Attitude", Columns(
-        Scene("Spacecraft, pitch about y", "orbit", elements=("spacecraft",), axes=("orbit", "spacecraft")),
-        Rows(
-            Plot("Pitch angle [rad]", (Line("/spacecraft/attitude", "angle", "theta", "axis_2"),)),
-            Plot("Pitch rate [rad/s]", (Line("/spacecraft/attitude", "rate", "theta rate", "axis_2"),)),
-            Plot("Torque [N m]", (Line("/torque", "total", "total", "thrust"),
-                                  Line("/torque", "feedback", "K x", "axis_1"),
-                                  Line("/torque", "compensation", "-w2 estimate", "axis_2"))),
+LAYOUT = Layout(
+    "zhang2013",
+    (
+        Tab(
+            "Attitude",
+            Columns(
+                Scene("Spacecraft, pitch about y", "orbit", elements=("spacecraft",), axes=("orbit", "spacecraft")),
+                Rows(
+                    Plot("Pitch angle [rad]", (Line("/spacecraft/attitude", "angle", "theta", "axis_2"),)),
+                    Plot("Pitch rate [rad/s]", (Line("/spacecraft/attitude", "rate", "theta rate", "axis_2"),)),
+                    Plot(
+                        "Torque [N m]",
+                        (
+                            Line("/torque", "total", "total", "thrust"),
+                            Line("/torque", "feedback", "K x", "axis_1"),
+                            Line("/torque", "compensation", "-w2 estimate", "axis_2"),
+                        ),
+                    ),
+                ),
+                shares=(1, 1),
+            ),
         ),
-        shares=(1, 1))),
-    Tab("Observer", Rows(
-        Plot("Torque of the modes [N m]", (Line("/disturbance", "w2", "w2", "truth"),
-                                           Line("/observer", "w2_estimate", "w2 estimate", "estimate"))),
-        Plot("Estimation error [N m]", (Line("/observer", "error", "w2 - w2 estimate", "axis_1"),)),
-        Plot("Modal coordinates [kg^0.5 m]", (Line("/spacecraft/modes", "eta1", "eta1", "axis_1"),
-                                              Line("/spacecraft/modes", "eta2", "eta2", "axis_2"))),
-    )),
-    Tab("Delay", Rows(
-        Plot("Delay [s]", (Line("/delay", "delay", "d", "magnitude"),), bounds=(Bound("delay", "bounds of d"),)),
-        Plot("Integral of squared angle [rad^2 s]", (Line("/integrals", "squared_angle", "angle", "magnitude"),)),
-    )),
-    Tab("About", Columns(Text("About", ABOUT), EventLog())),
-))  # fmt: skip
+        Tab(
+            "Observer",
+            Rows(
+                Plot(
+                    "Torque of the modes [N m]",
+                    (
+                        Line("/disturbance", "w2", "w2", "truth"),
+                        Line("/observer", "w2_estimate", "w2 estimate", "estimate"),
+                    ),
+                ),
+                Plot("Estimation error [N m]", (Line("/observer", "error", "w2 - w2 estimate", "axis_1"),)),
+                Plot(
+                    "Modal coordinates [kg^0.5 m]",
+                    (
+                        Line("/spacecraft/modes", "eta1", "eta1", "axis_1"),
+                        Line("/spacecraft/modes", "eta2", "eta2", "axis_2"),
+                    ),
+                ),
+            ),
+        ),
+        Tab(
+            "Delay",
+            Rows(
+                Plot(
+                    "Delay [s]", (Line("/delay", "delay", "d", "magnitude"),), bounds=(Bound("delay", "bounds of d"),)
+                ),
+                Plot(
+                    "Integral of squared angle [rad^2 s]", (Line("/integrals", "squared_angle", "angle", "magnitude"),)
+                ),
+            ),
+        ),
+        Tab("About", Columns(Text("About", ABOUT), EventLog())),
+    ),
+)

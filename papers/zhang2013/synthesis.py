@@ -1,19 +1,19 @@
 """Synthesis for zhang2013: Theorem 2 as printed and as corrected, what each accepts, and designs to simulate."""
 
-
 import numpy as np
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Failed, Infimum, Program, Solved, infimum, solve
+from gainsay.lmi import Infimum, Program, Solved, infimum, solve
 from gainsay.systems.delay_spectrum import hinf_norm, spectral_abscissa
 from gainsay.tables import Case
 from gainsay.tables.results import Results, task
 from papers.zhang2013 import certificates as prove
+from papers.zhang2013 import misprints
 from papers.zhang2013.bounds import Structured, least_gamma, lifted
 from papers.zhang2013.design import (
     acceptance_program,
-    fast_program,
     farkas_multipliers,
+    fast_program,
     gains_of,
     inequalities,
     least_squares_program,
@@ -54,13 +54,24 @@ def point_of(program: Program, results: Results, where: str) -> Solved:
 def correction(case: Case, results: Results) -> None:
     """(23) and (26) against the congruence of (9) under (25)."""
     blocks = differing_blocks(Setting.of(Spacecraft.of(case), case))
-    results.quantity("theorem2.differing_blocks", len(blocks), source="(9), (23), (25)",
-                     method="coefficients of printed and corrected (23) compared block by block")  # fmt: skip
-    results.certificate(prove.corrected_form(case))
+    results.quantity(
+        "theorem2.differing_blocks",
+        len(blocks),
+        source="(9), (23), (25)",
+        method="coefficients of printed and corrected (23) compared block by block",
+    )
+    results.certificate(misprints.corrected_form(case))
     results.quantity("theorem2.corrected_form", 1, method="polynomial identity", source="(9), (25), (26)")
     for i, j in blocks:
-        results.certificate(prove.differing_block(case, ROWS[i - 1], ROWS[j - 1]))
-    results.certificate(prove.printed26_differs(case))
+        results.certificate(misprints.differing_block(case, ROWS[i - 1], ROWS[j - 1]))
+    for certificate, quantity in (
+        (misprints.printed23_differs(case), "eq23.identity"),
+        (misprints.printed26_differs(case), "eq26.identity"),
+    ):
+        results.certificate(certificate)
+        results.quantity(quantity, 0, method="exact counterexample", source="(9), (23), (25), (26)")
+    for certificate in misprints.wrong_sizes(case):
+        results.certificate(certificate)
     listed = ", ".join(f"({i},{j})" for i, j in blocks)
     results.say("(23), (26)", f"blocks {listed} as printed are not those of (9) under (25), proved")
 
@@ -69,10 +80,13 @@ def correction(case: Case, results: Results) -> None:
 def sign_of_lambda1(case: Case, results: Results) -> None:
     """No lambda1 <= 0 is feasible, printed or corrected."""
     results.certificate(prove.negative_form(case))
-    results.quantity("theorem2.negative_lambda1_form", 1, source="(23)",
-                     method="polynomial identity in lambda1 and all unknowns")  # fmt: skip
-    for edition, quantity in (("corrected", "theorem2.feasible_printed_sign"),
-                              ("printed", "theorem2.printed_feasible_printed_sign")):  # fmt: skip
+    results.quantity(
+        "theorem2.negative_lambda1_form", 1, source="(23)", method="polynomial identity in lambda1 and all unknowns"
+    )
+    for edition, quantity in (
+        ("corrected", "theorem2.feasible_printed_sign"),
+        ("printed", "theorem2.printed_feasible_printed_sign"),
+    ):
         results.certificate(prove.printed_sign_infeasible(case, edition, quantity))
         results.quantity(quantity, 0, method="exact Farkas multipliers of rank one", source="(23)")
     results.say("lambda1", "-0.12 infeasible, corrected and printed, Farkas certificates checked")
@@ -84,13 +98,25 @@ def margins(case: Case, results: Results) -> None:
     craft = Spacecraft.of(case)
     for edition, lambda1, name, quantity, formula, identity in (
         ("corrected", case.number("lambda1_corrected"), "theorem2.margin", "theorem2.feasible", PLUS, "eq23-feasible"),
-        ("printed", 1.0, "theorem2.printed_margin_lambda1_one", "theorem2.printed_feasible_lambda1_one", "1",
-         "eq23-printed-feasible"),
-    ):  # fmt: skip
+        (
+            "printed",
+            1.0,
+            "theorem2.printed_margin_lambda1_one",
+            "theorem2.printed_feasible_lambda1_one",
+            "1",
+            "eq23-printed-feasible",
+        ),
+    ):
         setting = Setting.of(craft, case, lambda1=lambda1)
         found = enclosed(margin_program(setting, edition), results, "(23)")
-        results.quantity(name, -found.value, lower=-found.upper, upper=-found.lower, source="(23)",
-                         method="interior point, enclosed by a checked point and checked multipliers")  # fmt: skip
+        results.quantity(
+            name,
+            -found.value,
+            lower=-found.upper,
+            upper=-found.lower,
+            source="(23)",
+            method="interior point, enclosed by a checked point and checked multipliers",
+        )
         results.certificate(prove.feasible(case, identity, edition, formula, found.solved.values, quantity))
         results.quantity(quantity, 1, method="exact feasible point", source="(23)")
         results.say("(23)", f"{edition}, lambda1 = {lambda1:g}: margin {-found.value:.7g}, certified")
@@ -109,16 +135,35 @@ def printed_gains(case: Case, results: Results) -> None:
     craft, K, L = Spacecraft.of(case), case.printed("K").exact, case.printed("L").exact
     setting = Setting.of(craft, case)
     found = enclosed(acceptance_program(setting, K, L, corrected), results, "(24)")
-    results.certificate(prove.accepted(case, "printed-gains", "corrected", PLUS, "printed('K')", "printed('L')",
-                                       found.solved.values, "theorem2.printed_gains_feasible"))  # fmt: skip
+    results.certificate(
+        prove.accepted(
+            case,
+            "printed-gains",
+            "corrected",
+            PLUS,
+            "printed('K')",
+            "printed('L')",
+            found.solved.values,
+            "theorem2.printed_gains_feasible",
+        )
+    )
     results.quantity("theorem2.printed_gains_feasible", 1, method="exact feasible point", source="(23), (24)")
     loop = Delayed.of(craft, K, L, setting.d_M, setting.mu)
     least = least_gamma(loop, Structured(setting.lambda1, setting.lambda2), theorem1)
-    results.quantity("theorem2.printed_gains_gamma_min", np.sqrt(least.value), upper=np.sqrt(least.upper),
-                     method="interior point; upper: checked point", source="(9), (25)")  # fmt: skip
+    results.quantity(
+        "theorem2.printed_gains_gamma_min",
+        np.sqrt(least.value),
+        upper=np.sqrt(least.upper),
+        method="interior point; upper: checked point",
+        source="(9), (25)",
+    )
     results.certificate(prove.gamma_floor(case))
-    results.quantity("theorem2.gamma_squared_floor", float(case.exact("C2") ** 2), source="(23a)",
-                     method="exact multipliers: a constant w1 reaches y through the estimate")  # fmt: skip
+    results.quantity(
+        "theorem2.gamma_squared_floor",
+        float(case.exact("C2") ** 2),
+        source="(23a)",
+        method="exact multipliers: a constant w1 reaches y through the estimate",
+    )
     results.say("(24)", f"printed K, L accepted at gamma = 1.5, down to {np.sqrt(least.value):.6g}; certified")
 
 
@@ -132,21 +177,29 @@ def unsound(case: Case, results: Results) -> None:
     results.design("unsound", K=K, L=L, note="accepted by (23) as printed at lambda1 = 1; its observer is unstable")
     point = enclosed(acceptance_program(setting, K, L, EDITIONS["printed"]), results, "(23) printed").solved
     named = "design('unsound', 'K')", "design('unsound', 'L')"
-    results.certificate(prove.accepted(case, "unsound-accepted", "printed", "1", *named, point.values,
-                                       "unsound.accepted"))  # fmt: skip
+    results.certificate(
+        prove.accepted(case, "unsound-accepted", "printed", "1", *named, point.values, "unsound.accepted")
+    )
     results.quantity("unsound.accepted", 1, method="exact feasible point", source="(23) as printed")
     pole = -(L @ setting.B)
     statement = "The observer of that design is unstable."
-    results.certificate(prove.unstable(case, "unsound-observer", f"-({named[1]} @ B)", PLANT, pole,
-                                       "unsound.observer_stable", statement))  # fmt: skip
+    results.certificate(
+        prove.unstable(
+            case, "unsound-observer", f"-({named[1]} @ B)", PLANT, pole, "unsound.observer_stable", statement
+        )
+    )
     results.quantity("unsound.observer_stable", 0, method="inertia", source="(5)")
     results.quantity("unsound.observer_pole", pole.item(), method="-L B", source="(5)")
     count = 0
     for lambda1 in SWEEP:
         at = Setting.of(craft, case, lambda1=lambda1)
         count += isinstance(solve(unsound_program(at, without_block_26)), Solved)
-    results.quantity("unsound.block26_accepted", count, source="(23)",
-                     method=f"checked points at lambda1 = {', '.join(map(str, SWEEP))}")  # fmt: skip
+    results.quantity(
+        "unsound.block26_accepted",
+        count,
+        source="(23)",
+        method=f"checked points at lambda1 = {', '.join(map(str, SWEEP))}",
+    )
     results.say("(23) printed", f"accepts an observer with its pole at {pole.item():+.4f} 1/s, certified")
 
 
@@ -157,12 +210,24 @@ def resynthesised(case: Case, results: Results) -> None:
     setting = Setting.of(craft, case)
     found = enclosed(least_squares_program(setting), results, "pinned")
     K, L = gains_of(found.values)
-    results.quantity("pinned.objective", found.value, lower=found.lower, upper=found.upper, source="(23)",
-                     method="interior point, enclosed by a checked point and checked multipliers")  # fmt: skip
+    results.quantity(
+        "pinned.objective",
+        found.value,
+        lower=found.lower,
+        upper=found.upper,
+        source="(23)",
+        method="interior point, enclosed by a checked point and checked multipliers",
+    )
     results.quantity("pinned.k1", K[0, 0], method="K = M X^-1 at the optimum", source="(23), (24)")
     results.quantity("pinned.k2", K[0, 1], method="K = M X^-1 at the optimum", source="(23), (24)")
     results.quantity("pinned.observer_bandwidth", (L @ setting.B).item(), method="L B at the optimum", source="(24)")
     results.design("resynthesised", K=K, L=L, note="corrected Theorem 2, least sum of squares")
+    point = enclosed(acceptance_program(setting, K, L, corrected), results, "pinned").solved
+    named = "design('resynthesised', 'K')", "design('resynthesised', 'L')"
+    results.certificate(
+        prove.accepted(case, "resynthesised-accepted", "corrected", PLUS, *named, point.values, "pinned.accepted")
+    )
+    results.quantity("pinned.accepted", 1, method="exact feasible point", source="(23), (24)")
     results.gains("K", published=case.printed("K"), resynthesised=K, identified=np.zeros((1, 2), dtype=bool))
     results.gains("L", published=case.printed("L"), resynthesised=L, identified=np.zeros((1, 2), dtype=bool))
     results.say("Theorem 2, least squares", f"K = [{K[0, 0]:.4f} {K[0, 1]:.4f}], L B = {(L @ setting.B).item():.4f}")
@@ -176,23 +241,43 @@ def fast(case: Case, results: Results) -> None:
     found = enclosed(fast_program(setting), results, "fast")
     K, L = gains_of(found.solved.values)
     K, L = np.round(K, 2), np.array([[0.0, round(float(L[0, 1]), 2)]])
-    results.quantity("fast.gamma", np.sqrt(found.value), lower=np.sqrt(max(found.lower, 0.0)),
-                     upper=np.sqrt(found.upper), source="(23)",
-                     method="interior point, enclosed by a checked point and checked multipliers")  # fmt: skip
+    results.quantity(
+        "fast.gamma",
+        np.sqrt(found.value),
+        lower=np.sqrt(max(found.lower, 0.0)),
+        upper=np.sqrt(found.upper),
+        source="(23)",
+        method="interior point, enclosed by a checked point and checked multipliers",
+    )
     results.design("fast", K=K, L=L, note="corrected Theorem 2, least gamma with bounded entries")
     point = enclosed(acceptance_program(setting, K, L, corrected), results, "fast").solved
     named = "design('fast', 'K')", "design('fast', 'L')"
-    results.certificate(prove.accepted(case, "fast-accepted", "corrected", PLUS, *named, point.values,
-                                       "fast.accepted"))  # fmt: skip
+    results.certificate(prove.accepted(case, "fast-accepted", "corrected", PLUS, *named, point.values, "fast.accepted"))
     results.quantity("fast.accepted", 1, method="exact feasible point", source="(23)")
     loop = craft.flexible_loop(K, L, "paper")
     definitions = [*FLEXIBLE, *flexible_loop(*named)]
-    results.certificate(prove.unstable(case, "fast-unstable", "A_bar + A_d", definitions, loop.A + loop.A1,
-                                       "fast.flexible_stable",
-                                       "The flexible plant with the fast design is unstable without delay."))  # fmt: skip
+    results.certificate(
+        prove.unstable(
+            case,
+            "fast-unstable",
+            "A_bar + A_d",
+            definitions,
+            loop.A + loop.A1,
+            "fast.flexible_stable",
+            "Without delay the flexible plant with the fast design is unstable.",
+        )
+    )
     results.quantity("fast.flexible_stable", 0, method="inertia", source="(1), (4), (6)")
-    results.certificate(prove.abscissa(case, "fast-abscissa", "A_bar + A_d", definitions, "fast.flexible_abscissa",
-                                       "Spectral abscissa of the flexible plant with the fast design."))  # fmt: skip
+    results.certificate(
+        prove.abscissa(
+            case,
+            "fast-abscissa",
+            "A_bar + A_d",
+            definitions,
+            "fast.flexible_abscissa",
+            "Spectral abscissa of the flexible plant with the fast design.",
+        )
+    )
     value = spectral_abscissa(loop, 0.0)
     results.quantity("fast.flexible_abscissa", value, method="eigenvalues", source="(1), (4), (6)")
     results.say("Theorem 2, least gamma", f"accepted; flexible plant unstable, abscissa {value:+.3e} 1/s, certified")
@@ -208,16 +293,33 @@ def repaired(case: Case, results: Results) -> None:
     results.quantity("repaired.delay_margin.paper", stands.margin_paper, method="quasi-polynomial", source="(1), (6)")
     results.quantity("repaired.delay_margin.all", stands.margin_all, method="quasi-polynomial", source="(1), (6)")
     loop = craft.flexible_loop(K, L, "paper")
-    results.quantity("repaired.abscissa", spectral_abscissa(loop, d_M), source="(1), (4), (6)",
-                     method="spectral discretisation and Newton")  # fmt: skip
+    results.quantity(
+        "repaired.abscissa",
+        spectral_abscissa(loop, d_M),
+        source="(1), (4), (6)",
+        method="spectral discretisation and Newton",
+    )
     rigid = np.linalg.eigvals(np.asarray(craft.A, dtype=float) + np.asarray(craft.B, dtype=float) @ K).real.max()
     results.quantity("repaired.design_abscissa", rigid, method="eigenvalues", source="(3)")
-    results.quantity("repaired.hinf", hinf_norm(craft.design_loop(K, L), d_M).value, source="(7), (8)",
-                     method="level sets and exact response")  # fmt: skip
+    results.quantity(
+        "repaired.hinf",
+        hinf_norm(craft.design_loop(K, L), d_M).value,
+        source="(7), (8)",
+        method="level sets and exact response",
+    )
     named = "design('repaired', 'K')", "design('repaired', 'L')"
     values, gamma = flexible_point(craft, K, L, case)
-    results.certificate(prove.theorem1(case, "repaired-theorem1", *named, values, "repaired.feasible_flexible",
-                                       plant="flexible", gamma_squared=gamma))  # fmt: skip
+    results.certificate(
+        prove.theorem1(
+            case,
+            "repaired-theorem1",
+            *named,
+            values,
+            "repaired.feasible_flexible",
+            plant="flexible",
+            gamma_squared=gamma,
+        )
+    )
     results.quantity("repaired.feasible_flexible", 1, method="exact feasible point of (9)", source="(1), (4), (6), (9)")
     results.say("repair", f"K = [{K[0, 0]:.4f} {K[0, 1]:.4f}], L2 = {L[0, 1]:.4f}; (9) certified on the flexible plant")
 

@@ -76,8 +76,12 @@ class DelayLaw:
             bound = f"within 0..{self.high:g} s"
             raise InputError(f"delay at t = {time:.9g} s", field="d", value=float(self(time)), expected=bound)
         slope = (delays[k] - delays[k - 1]) / (times[k] - times[k - 1])
-        raise InputError(f"delay rate near t = {times[k - 1]:.9g} s", field="d'", value=float(slope),
-                         expected=f"at most {self.rate:g}")  # fmt: skip
+        raise InputError(
+            f"delay rate near t = {times[k - 1]:.9g} s",
+            field="d'",
+            value=float(slope),
+            expected=f"at most {self.rate:g}",
+        )
 
     def breakpoints(self, start: float, count: int) -> list[float]:
         """Return xi_1 < xi_2 < ... after the start with xi_k - d(xi_k) = xi_{k-1}, xi_0 = start.

@@ -180,8 +180,9 @@ def unstable_root_count(system: DelaySystem, delay: float, points: int = 4000) -
     axis = np.sinh(np.linspace(-1, 1, 20 * points) * np.arcsinh(radius * 1e3)) / 1e3
     path = np.concatenate([radius * np.exp(1j * angles), 1j * axis[::-1]])
     quasi = system.quasi_polynomial
-    values = np.array([np.polyval([float(c.p) / float(c.q) for c in reversed(p.coeffs())] or [0.0], path)
-                       for p in quasi.coefficients])  # fmt: skip
+    values = np.array(
+        [np.polyval([float(c.p) / float(c.q) for c in reversed(p.coeffs())] or [0.0], path) for p in quasi.coefficients]
+    )
     values = (values * np.exp(-np.outer(np.arange(len(values)), path) * delay)).sum(axis=0)
     turns = np.angle(values[np.r_[1 : len(path), 0]] / values)
     if np.max(np.abs(turns)) > np.pi / 2:
