@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given, settings
@@ -345,3 +346,30 @@ def test_checking_a_file_imports_no_solver_and_no_paper(tmp_path):
 def test_a_claim_needs_a_conclusion_on_its_quantity():
     with pytest.raises(CertificateError, match=r"about 'loop\.abscissa'"):
         build.finish(example().changed(conclusions=()), tables())
+
+
+def test_designs_are_read_from_the_results(tmp_path):
+    folder = tmp_path / "results" / "spring" / "designs"
+    folder.mkdir(parents=True)
+    (folder / "repaired.json").write_text(
+        json.dumps({"name": "repaired", "note": "", "matrices": {"K": [[0.1, -2.5]]}})
+    )
+    case = SimpleNamespace(root=tmp_path, name="spring", quantities={"gain": None}, claims={})
+    certificate = build.certificate(
+        "enclosed",
+        id="gain",
+        paper="spring",
+        statement="The second gain.",
+        tables=case,
+        fields={"formula": "design('repaired', 'K')[0, 1]"},
+        quantities={"value": "gain"},
+    )
+    assert [c.value for c in check(certificate, case).conclusions] == ["-2.5..-2.5"]
+    (folder / "repaired.json").write_text(
+        json.dumps({"name": "repaired", "note": "", "matrices": {"K": [[0.1, -2.6]]}})
+    )
+    with pytest.raises(CertificateError, match=r"repaired\.K"):
+        check(certificate, case)
+    (folder / "repaired.json").unlink()
+    with pytest.raises(CertificateError, match=r"repaired\.K"):
+        check(certificate, case)
