@@ -105,6 +105,12 @@ def test_a_stated_tolerance_replaces_that_of_the_digits_and_is_in_the_claims_uni
     assert (judged.recomputed, judged.tolerance) == (1.54, 0.05)
 
 
+def test_half_a_unit_of_the_digits_is_in_the_claims_unit():
+    # 1.50 km stands for 1495 .. 1505 m
+    assert verdict(claim(unit="km"), evidence(value=found(1504.0))) == "reproduced"
+    assert verdict(claim(unit="km"), evidence(value=found(1506.0))) == "contradicted"
+
+
 def test_units_are_converted_before_comparing():
     on = evidence(value=found(math.pi), quantity="angle")
     assert verdict(claim(published="180.0", unit="deg", quantity="angle"), on) == "reproduced"
@@ -147,7 +153,8 @@ def test_a_kind_that_needs_proof_gets_no_verdict_from_numbers_alone(kind, compar
 
 @given(st.sampled_from(sorted(PROVED)), st.sampled_from(["holds", "depends", "fails"]))
 def test_samples_never_prove(kind, outcome):
-    scans = {"c": {"quantity": "q", "outcome": outcome, "samples": 10**6, "witness": "w", "note": "n"}}
+    ends = {"smallest": 0.5 if outcome != "fails" else 1.5, "largest": 0.5 if outcome == "holds" else 1.5}
+    scans = {"c": {"quantity": "q", "outcome": outcome, "samples": 10**6, "witness": "w", "note": "n", **ends}}
     expected = "undetermined" if outcome == "depends" else "failed"
     assert verdict(claim("at_most", "1", kind), evidence(value=found(0.5), scans=scans)) == expected
 
@@ -241,13 +248,39 @@ def test_proved_order():
 
 @pytest.mark.parametrize("kind", SAMPLED)
 def test_a_scan_decides_over_the_plausible_inputs(kind):
-    base = {"quantity": "q", "samples": 256, "witness": "w", "note": "n", "smallest": 1.0, "largest": math.inf}
-    for outcome, expected in (("holds", "reproduced"), ("fails", "contradicted"), ("depends", "undetermined")):
-        on = evidence(value=found(1.5, 1.5, 1.5), scans={"c": {**base, "outcome": outcome}})
-        judged = judge(Tables(), claim(kind=kind), on, {})
-        assert (judged.verdict, judged.range_low, judged.range_high) == (expected, 1.0, None)
-        on.scans["c"]["quantity"] = "other"
-        assert verdict(claim(kind=kind), on) == "failed"
+    of = claim("at_most", "2", kind)
+    base = {"quantity": "q", "samples": 256, "witness": "w", "note": "n"}
+    for outcome, expected, low, high in (
+        ("holds", "reproduced", 1.0, 2.0), ("fails", "contradicted", 3.0, math.inf),
+        ("depends", "undetermined", 1.0, 3.0),
+    ):  # fmt: skip
+        scan = {**base, "outcome": outcome, "smallest": low, "largest": high}
+        judged = judge(Tables(), of, evidence(value=found(1.5, 1.5, 1.5), scans={"c": scan}), {})
+        assert (judged.verdict, judged.range_low) == (expected, low)
+        assert judged.range_high == (None if high == math.inf else high)
+        scan["quantity"] = "other"
+        assert verdict(of, evidence(value=found(1.5, 1.5, 1.5), scans={"c": scan})) == "failed"
+
+
+@pytest.mark.parametrize(
+    ("comparator", "published", "outcome", "low", "high"),
+    [
+        ("at_most", "2", "holds", 1.0, 2.1), ("at_most", "2", "fails", 1.9, 3.0), ("at_most", "2", "depends", 1.0, 1.5),
+        ("at_least", "2", "holds", 1.9, 3.0), ("inside", "1..2", "holds", 0.9, 1.5), ("equal", "1.50", "holds", 1.4, 1.5),
+        ("equal", "1.50", "fails", 1.5, 3.0),
+    ],
+)  # fmt: skip
+def test_a_scan_that_counted_by_another_rule_than_the_claims_decides_nothing(comparator, published, outcome, low, high):
+    scan = {
+        "quantity": "q",
+        "samples": 256,
+        "witness": "",
+        "note": "",
+        "outcome": outcome,
+        "smallest": low,
+        "largest": high,
+    }
+    assert verdict(claim(comparator, published, "ordering"), evidence(scans={"c": scan})) == "failed"
 
 
 @given(st.lists(st.sampled_from(VERDICTS), min_size=1, max_size=6), st.randoms())

@@ -101,14 +101,15 @@ def test_no_sample_is_above_the_largest_value(frequency, phase, growth):
     assert value == pytest.approx(found(time)[0], abs=1e-12)
 
 
-def test_the_last_crossing_is_the_last():
-    # exp(-t/10) |sin t| stays below 0.1 from the last of its crossings on; found again by brute force.
+@pytest.mark.parametrize("level", [0.05, 0.1, 0.2, 0.3, 0.5])
+def test_the_last_crossing_is_the_last(level):
+    # exp(-t/10) |sin t| stays below a level from the last of its crossings on; found again by brute force.
     found = integrate(lambda t, x: np.array([x[1], -1.01 * x[0] - 0.2 * x[1]]), np.array([0.0, 1.0]), 60.0)
-    time = last_crossing(found, lambda t, x: np.abs(x[:, 0]) - 0.1)
+    time = last_crossing(found, lambda t, x: np.abs(x[:, 0]) - level)
     grid = np.linspace(0, 60, 600001)
-    above = np.abs(np.exp(-grid / 10) * np.sin(grid)) >= 0.1
+    above = np.abs(np.exp(-grid / 10) * np.sin(grid)) >= level
     assert time == pytest.approx(grid[np.flatnonzero(above)[-1]], abs=2e-4)
-    assert abs(math.exp(-time / 10) * math.sin(time)) == pytest.approx(0.1, abs=1e-9)
+    assert abs(math.exp(-time / 10) * math.sin(time)) == pytest.approx(level, abs=1e-9)
 
 
 @pytest.mark.parametrize("level", [-1.0, 2.0])

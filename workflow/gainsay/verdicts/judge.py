@@ -115,10 +115,25 @@ def _judge_feasibility(case: Case, claim: Claim, evidence: Evidence) -> Judgemen
     )  # fmt: skip
 
 
+def _scan_agrees(claim: Claim, scan: dict) -> bool:
+    """Say whether the smallest and largest values of a scan bear out its outcome under the claim's own comparator."""
+    if claim.comparator not in ("equal", "at_most", "at_least", "inside"):
+        return True
+    least, greatest = (_compare(claim, scan[end], scan[end], _tolerance(claim)) for end in ("smallest", "largest"))
+    if scan["outcome"] == "holds":
+        return bool(least and greatest)
+    if scan["outcome"] == "fails":
+        return not least and not greatest
+    return not (least and greatest)
+
+
 def _judge_scan(claim: Claim, scan: dict) -> Judgement:
     """Judge a claim over the plausible values of what the paper leaves out."""
     if scan["quantity"] != claim.quantity:
         return Judgement("failed", note=f"the scan is about {scan['quantity']}, the claim about {claim.quantity}")
+    if not _scan_agrees(claim, scan):
+        ends = f"{scan['smallest']!r}..{scan['largest']!r}"
+        return Judgement("failed", note=f"the scan says {scan['outcome']} over {ends}, the claim itself says otherwise")
     verdict = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined"}[scan["outcome"]]
     ends = [None if scan.get(end) is None else _in_unit(claim, scan[end]) for end in ("smallest", "largest")]
     return Judgement(
