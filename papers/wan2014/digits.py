@@ -124,18 +124,20 @@ def spreads(problem: Problem, optimum: dict, rho: float, rounds: int = 2) -> dic
     (X, Y, _, _), program = near_optimal(problem, NEAR * rho)
     near = {**optimum, "inverse_rho": 1 / rho}
     places = {"X": [*_UPPER], "Y": [(i, j) for i in range(3) for j in range(6)]}
-    result = {}
+    result, visited = {}, []
     for name, unknown in (("X", X), ("Y", Y)):
         low, high = np.full(unknown.shape, np.nan), np.full(unknown.shape, np.nan)
         for (i, j), found in zip(
             places[name], ranges(program, [unknown[i, j] for i, j in places[name]], near), strict=True
         ):
             low[i, j], high[i, j] = found.low, found.high
+            visited += [point for point in (found.at_low, found.at_high) if point]
             if name == "X":
                 low[j, i], high[j, i] = found.low, found.high
         result[name] = _spread(low, high, optimum[name])
     K0 = np.linalg.solve(optimum["X"], optimum["Y"].T).T
-    low, high = K0.copy(), K0.copy()
+    gains = [K0, *(np.linalg.solve(point["X"], point["Y"].T).T for point in visited)]
+    low, high = np.min(gains, axis=0), np.max(gains, axis=0)
     for side, end in enumerate((low, high)):
         points = dict.fromkeys(places["Y"], (optimum["X"], K0))
         for _ in range(rounds):

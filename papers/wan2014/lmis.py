@@ -230,8 +230,25 @@ def _unscaled_subproblem(problem: Problem) -> tuple[tuple, list]:
     return (X, Y, eps, inverse_rho), constraints
 
 
+def _digits_kept(problem: Problem) -> tuple[tuple, list]:
+    """Unknowns and constraints of the sub-problem, X and Y within half a unit of the last digits of (43)."""
+    unknowns, constraints = _unscaled_subproblem(problem)
+    for name, unknown in zip("XY", unknowns, strict=False):
+        printed = problem.case.printed(name)
+        low = np.array([[float(x.low) for x in row] for row in printed.rows])
+        high = np.array([[float(x.high) for x in row] for row in printed.rows])
+        constraints.append(within(unknown, low, high, f"digits of {name}"))
+    return unknowns, constraints
+
+
+def printed_point(problem: Problem) -> tuple[tuple[Affine, ...], Program]:
+    """Return the unknowns X, Y, eps, 1/rho of the sub-problem and all its points that round to (43)."""
+    unknowns, constraints = _digits_kept(problem)
+    return unknowns, Program(subject_to=constraints, label="box of (43)")
+
+
 def printed_box(problem: Problem, sign: float) -> Program:
-    """Range of 1/rho over all X, Y that round to (43), some eps, and block rows 1, 3, 5, 7 of (14), (30), (31).
+    """Range of 1/rho over those points.
 
     Parameters
     ----------
@@ -239,12 +256,7 @@ def printed_box(problem: Problem, sign: float) -> Program:
     sign : float
         1 minimises 1/rho, -1 maximises it.
     """
-    (X, Y, _, inverse_rho), constraints = _unscaled_subproblem(problem)
-    for name, unknown in (("X", X), ("Y", Y)):
-        printed = problem.case.printed(name)
-        low = np.array([[float(x.low) for x in row] for row in printed.rows])
-        high = np.array([[float(x.high) for x in row] for row in printed.rows])
-        constraints.append(within(unknown, low, high, f"digits of {name}"))
+    (_, _, _, inverse_rho), constraints = _digits_kept(problem)
     return Program(minimise=sign * inverse_rho, subject_to=constraints, label="box of (43)")
 
 

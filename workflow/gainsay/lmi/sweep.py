@@ -118,7 +118,9 @@ class Range:
     at_high: dict[str, Any]
 
 
-def ranges(program: Program, expressions: Iterable[Any], near: dict[str, Any]) -> list[Range]:
+def ranges(
+    program: Program, expressions: Iterable[Any], near: dict[str, Any], sides: tuple[int, ...] = (0, 1)
+) -> list[Range]:
     """Minimise and maximise linear expressions over one feasible set, which is assembled and scaled once.
 
     Parameters
@@ -128,6 +130,8 @@ def ranges(program: Program, expressions: Iterable[Any], near: dict[str, Any]) -
     expressions : iterable of Affine, shape (1, 1)
     near : mapping
         Point inside or nearly so, for the sizes.
+    sides : tuple of int
+        0 for the lower ends, 1 for the upper ones; an end that is not asked for is nan.
     """
     scale = scaling.from_point(program, program.coordinates(near))
     scaled, found = scaling.apply(program, scale), []
@@ -138,7 +142,10 @@ def ranges(program: Program, expressions: Iterable[Any], near: dict[str, Any]) -
             cost[program.places[variable]] = coefficient[0, 0]
         size = np.abs(cost * scale.unknowns).max(initial=0.0) or 1.0
         ends = []
-        for sign in (1, -1):
+        for side, sign in enumerate((1, -1)):
+            if side not in sides:
+                ends.append((float("nan"), {}))
+                continue
             aimed = scaling.Scaled(sign * cost * scale.unknowns / size, scaled.constants, scaled.tensors)
             raw = backends.run(aimed, program.constraints, program.margin)
             values = {} if raw.x is None else program.values(raw.x * scale.unknowns)
