@@ -7,8 +7,12 @@ from gainsay.tables.files import write_csv
 from gainsay.tables.models import Recorded
 from gainsay.verdicts.differences import rows_of
 
-#: tolerance of a quantity that has none of its own yet: what two machines may differ by in rounding
-DEFAULT = ("1e-6", "1e-12", "rounding of double precision across machines")
+#: by step, what two machines may differ by: relative, absolute, reason; rows on record keep their own
+DEFAULTS = {
+    "audit": ("1e-7", "1e-10", "double precision across machines"),
+    "synthesis": ("1e-4", "1e-9", "accuracy of a solver's optimum across machines"),
+    "simulation": ("1e-6", "1e-9", "error-controlled integration across machines"),
+}
 
 
 def record_paper(case: Case) -> Iterator[str]:
@@ -23,7 +27,7 @@ def record_paper(case: Case) -> Iterator[str]:
             continue
         value = found[quantity]["value"]
         if before is None:
-            tolerances = DEFAULT
+            tolerances = DEFAULTS[declared.step]
             lines.append(f"{quantity}: new, {value} {declared.unit}")
         else:
             tolerances = (before.relative, before.absolute, before.reason)
