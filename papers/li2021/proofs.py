@@ -134,7 +134,9 @@ def lemma3_uncertain_blocks(lam: str, gamma: str, eps1: str) -> str:
 LEMMA3_UNKNOWNS = {**symmetric(X=6, Y=6), **full(Ah=(6, 6), Bh=(6, 3), Ch=(3, 6)), "g2": {}}
 
 
-def lemma3_point(case, name: str, values: Mapping, lam: str, *, quantity: str, claims=(), uncertain=False) -> Certificate:
+def lemma3_point(
+    case, name: str, values: Mapping, lam: str, *, quantity: str, claims=(), uncertain=False
+) -> Certificate:
     """Gains exist with (12) at lambda: a point; its g2 bounds the square of the least gamma from above."""
     form = lemma3_uncertain_blocks(lam, "g2", "number('eps1')") if uncertain else lemma3_blocks(lam, "g2")
     return build.feasible_point(
@@ -292,7 +294,7 @@ def printed_gains_pass(case, P: np.ndarray, square: float) -> Certificate:
             "minimise": "g2",
         },
         point={"P": P, "g2": square},
-        quantities={"objective": "lemma3.printed_gamma2_min"},
+        quantities={"objective": "lemma3.printed_gamma_min_squared"},
     )
 
 
@@ -310,7 +312,7 @@ def printed_gains_bound(case, multiplier: np.ndarray) -> Certificate:
             "minimise": "g2",
         },
         multipliers={"(12)": multiplier},
-        quantities={"objective": "lemma3.printed_gamma2_min"},
+        quantities={"objective": "lemma3.printed_gamma_min_squared"},
     )
 
 
@@ -346,4 +348,23 @@ def misprint(case, name: str, what: str, left: str, right: str, quantity: str, d
         definitions=(*PLANT, *definitions),
         fields={"left": left, "right": right},
         quantities={"identity": quantity},
+    )
+
+
+def lemma3_feasible(case, name: str, values: Mapping, lam: str, end: str) -> Certificate:
+    """(12) has a solution over all gains at the paper's gamma and a lambda near an end of the band."""
+    unknowns = {key: value for key, value in LEMMA3_UNKNOWNS.items() if key != "g2"}
+    return build.feasible_point(
+        id=name,
+        paper=case.name,
+        tables=case,
+        statement=f"(12) has a solution over all gains at lambda = {lam} and the paper's gamma.",
+        definitions=(*PLANT, *UNCERTAIN),
+        unknowns={**unknowns, "lam": {}},
+        fields={
+            "constraints": [["(12)", f"{lemma3_blocks('lam', 'number(' + repr('gamma') + ')**2')} < 0"]],
+            "minimise" if end == "low" else "maximise": "lam",
+        },
+        point={**{key: values[key] for key in unknowns}, "lam": float(lam)},
+        quantities={"objective": f"lemma3.lambda_{end}"},
     )

@@ -241,9 +241,7 @@ def norm_program(form: Loop, gamma: float | None = None) -> Program:
     F["channel", "channel"] = whole[12:39, 12:39] - D
     F["channel", "disturbance"] = whole[12:39, 39:]
     F["disturbance", "disturbance"] = whole[39:, 39:] - square * np.eye(3)
-    return Program(
-        minimise=square if gamma is None else None, subject_to=[F < 0, (P > 0).named("P > 0")], label="norm"
-    )
+    return Program(minimise=square if gamma is None else None, subject_to=[F < 0, (P > 0).named("P > 0")], label="norm")
 
 
 def torque_program(form: Loop, output: np.ndarray, start: np.ndarray) -> Program:
@@ -265,9 +263,7 @@ def torque_program(form: Loop, output: np.ndarray, start: np.ndarray) -> Program
     F["state", "channel"] = top[:, 12:] + whole[:12, 12:]
     F["channel", "channel"] = whole[12:, 12:] - D
     x = start[:, None]
-    return Program(
-        minimise=x.T @ P @ x, subject_to=[F < 0, (P > output.T @ output).named("P > K'K")], label="torque"
-    )
+    return Program(minimise=x.T @ P @ x, subject_to=[F < 0, (P > output.T @ output).named("P > K'K")], label="torque")
 
 
 def original(form: Loop, values: dict) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,276 @@
+"""Audit of the printed controllers: poles, norms, vertices, random gains; and of what the model leaves out."""
+
+from itertools import product
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.linalg import solve_continuous_lyapunov
+
+from gainsay.dynamics import attitude
+from gainsay.proof import build
+from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
+from gainsay.systems.regions import Disk, HalfPlane
+from gainsay.tables import Case
+from gainsay.tables.results import Results, task
+from gainsay.verdicts.scan import plausible, scan
+from papers.li2021 import plant, response
+from papers.li2021.certify import COMPARISON, PRINTED
+from papers.li2021.proofs import PLANT
+from papers.li2021.response import FlexibleLoop
+
+FORMULAS = {"proposed": PRINTED, "comparison": COMPARISON}
+LOOP = (
+    ("Acl", "[[A0, B @ Cf], [Bf @ C, Af]]"),
+    ("Bcl", "col(B, zeros(6, 3))"),
+    ("Ccl", "row(C, zeros(3, 6))"),
+)
+HOLDS = {"constant": "constant", "fast": "0.1", "slow": "1"}
+#: draws of a whole simulation behind Figures 8 and 9, by how the gains are held
+SIMULATED = {"constant": 60, "fast": 6, "slow": 20}
+MU_EARTH = 3.986004418e14
+
+
+def reduced_loop(case: Case, gains) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A, B and C of (10) from d~ to y, nominal inertia."""
+    nominal = plant.rigid(plant.constants(case))
+    B, C = np.vstack([nominal.B, np.zeros((6, 3))]), np.hstack([nominal.C, np.zeros((3, 6))])
+    return plant.closed_loop(nominal, gains), B, C
+
+
+def vertices(case: Case, gains) -> tuple[float, float, np.ndarray]:
+    """Largest disk reach and abscissa over all signs of 5 % in twelve gain factors and three inertias, and where."""
+    k, disk = plant.constants(case), disk_of(case)
+    signs = np.array(list(product((-1, 1), repeat=12)))
+    factors = 1 + case.number("delta_m") * signs
+    reach, abscissa, where = 0.0, -np.inf, None
+    for delta in product((-1, 1), repeat=3):
+        loops = plant.closed_loop(plant.rigid(k, delta), gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
+        found = disk.reach(loops)
+        abscissa = max(abscissa, float(HalfPlane().reach(loops).max()))
+        if found.max() > reach:
+            reach, where = float(found.max()), np.concatenate([signs[found.argmax()], delta])
+    return reach, abscissa, where
+
+
+def disk_of(case: Case) -> Disk:
+    """D(a, b) of the paper."""
+    return Disk(case.number("disk_centre"), case.number("disk_radius"))
+
+
+def unstable_fraction(case: Case, gains, batch: int = 20_000) -> tuple[float, float]:
+    """Fraction of constant draws 1 + U(0, 1) of the twelve factors with an unstable (10), and its standard error."""
+    nominal, generator = plant.rigid(plant.constants(case)), np.random.default_rng(int(case.number("seed")))
+    total, unstable = int(case.number("draws")), 0
+    for first in range(0, total, batch):
+        factors = 1 + generator.random((min(batch, total - first), 12))
+        loops = plant.closed_loop(nominal, gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
+        unstable += int(np.sum(HalfPlane().reach(loops) >= 0))
+    share = unstable / total
+    return share, float(np.sqrt(share * (1 - share) / total))
+
+
+@task("Section IV, orbit")
+def orbit(case: Case, results: Results) -> None:
+    """Rate of a 24 h orbit, and the period of the printed radius."""
+    results.quantity("audit.orbital_rate", 2 * np.pi / (3600 * case.number("orbit_period")), method="2 pi / 24 h",
+                     source="Section IV")  # fmt: skip
+    period = 2 * np.pi * np.sqrt(case.number("orbit_radius") ** 3 / MU_EARTH)
+    results.quantity("audit.orbit_period", period, method="Kepler's third law, mu = 3.986004418e14 m^3/s^2",
+                     source="Section IV")  # fmt: skip
+    results.say("Section IV, orbit", f"radius of 42241 km: period {period / 3600:.4f} h")
+
+
+@task("Figure 3, open loop")
+def open_loop(case: Case, results: Results) -> None:
+    """Open-loop poles: near the origin, one in the right half plane, proved."""
+    A = plant.rigid(plant.constants(case)).A
+    values, vectors = np.linalg.eig(A)
+    results.quantity(
+        "audit.open_loop.abscissa", float(values.real.max()), method="eigenvalues of A0", source="Figure 3"
+    )
+    results.quantity("audit.open_loop.largest", float(np.abs(values).max()), method="eigenvalues of A0",
+                     source="Figure 3")  # fmt: skip
+    results.quantity("audit.open_loop.right_half_plane", int(np.sum(values.real > 1e-9)),
+                     method="eigenvalues of A0 with a real part above 1e-9 1/s", source="Figure 3")  # fmt: skip
+    P, z = unstable_witness(A)
+    results.certificate(build.certificate(
+        "unstable", id="open-loop-unstable", paper=case.name, tables=case, claims=("fig3-open-loop-unstable",),
+        statement="A0 has an eigenvalue in the open right half plane.", definitions=PLANT,
+        fields={"matrix": "A0", "alpha": "1e-6"}, witness={"P": P, "z": z},
+        quantities={"abscissa": "audit.open_loop.abscissa", "stable": "audit.open_loop.stable"},
+    ))  # fmt: skip
+    results.quantity(
+        "audit.open_loop.stable", 0, method="Lyapunov's inequality with an indefinite P", source="Figure 3"
+    )
+    results.say("Figure 3, open loop", f"abscissa {values.real.max():.3g} 1/s, poles within {np.abs(values).max():.2g}")
+
+
+def unstable_witness(A: np.ndarray, alpha: float = 1e-6) -> tuple[np.ndarray, np.ndarray]:
+    """P with (A - alpha I)'P + P(A - alpha I) < 0 and a z with z'Pz < 0, for A with eigenvalues on both sides of alpha."""
+    P = solve_continuous_lyapunov((A - alpha * np.eye(len(A))).T, -np.eye(len(A)))
+    P = (P + P.T) / 2
+    return P, np.linalg.eigh(P)[1][:, 0]
+
+
+def certify_nominal(case: Case, results: Results, name: str, norm: float, reach: float) -> None:
+    """Certificates of disk and norm for a printed controller."""
+    gains = plant.controller(case, name)
+    A, B, C = reduced_loop(case, gains)
+    disk = disk_of(case)
+    definitions = (*PLANT, *FORMULAS[name], *LOOP)
+    tight = Disk(disk.centre, float(f"{reach + 2e-4:.4f}"))
+    shared = {"paper": case.name, "tables": case, "definitions": definitions}
+    claims = {
+        "proposed": ("fig3-poles", "requirement2-proposed"),
+        "comparison": ("comparison-poles", "comparison-norm"),
+    }
+    results.certificate(build.certificate(
+        "stein", id=f"{name}-disk", claims=claims[name][:1],
+        statement=f"The poles of (10) with the printed {name} gains lie in D({disk.centre}, {tight.radius}).",
+        fields={"matrix": "Acl", "shift": "number('disk_centre')", "radius": str(tight.radius)},
+        witness={"P": tight.lyapunov_matrix(A)}, quantities={"radius": f"audit.{name}.disk_radius"}, **shared,
+    ))  # fmt: skip
+    gamma = float(f"{norm * (1 + 2e-5):.6g}")
+    results.certificate(build.certificate(
+        "bounded_real", id=f"{name}-norm", claims=claims[name][1:],
+        statement=f"The norm from d~ to y of (10) with the printed {name} gains is below {gamma}.",
+        fields={"A": "Acl", "B": "Bcl", "C": "Ccl", "gamma": f"{gamma}"},
+        witness={"P": bounded_real_certificate_matrix(A, B, C, None, gamma)},
+        quantities={"norm": f"audit.{name}.hinf"}, **shared,
+    ))  # fmt: skip
+
+
+def audit_controller(case: Case, results: Results, name: str, gains) -> None:
+    """Every quantity of one controller that needs no simulation."""
+    A, B, C = reduced_loop(case, gains)
+    disk, k = disk_of(case), plant.constants(case)
+    reach, (norm, frequency) = disk.reach(A), hinf_norm(A, B, C)
+    flexible = plant.closed_loop(plant.flexible(k), gains)
+    worst, worst_abscissa, where = vertices(case, gains)
+    static = -C @ np.linalg.solve(A, B @ plant.disturbance(case, k) @ np.array([1.0, 0.0, 1.0]))
+    share, error = unstable_fraction(case, gains)
+    rows = {
+        "disk_radius": (reach, "largest |s + 1.01| over the eigenvalues of (10)"),
+        "abscissa": (HalfPlane().reach(A), "eigenvalues of (10)"),
+        "hinf": (norm, f"Hamiltonian test, attained at {frequency:.3g} rad/s"),
+        "flexible_abscissa": (HalfPlane().reach(flexible), "eigenvalues of (6) with (8), 20 states"),
+        "flexible_disk_radius": (disk.reach(flexible), "largest |s + 1.01| over the 20 eigenvalues of (6) with (8)"),
+        "worst_disk_radius": (
+            worst,
+            f"eigenvalues at 2^15 vertices; worst at signs {''.join('+-'[int(s < 0)] for s in where)}",
+        ),
+        "worst_abscissa": (worst_abscissa, "eigenvalues at 2^15 vertices"),
+        "static_roll_error": (abs(static[0]), "static gain of (10) times d(0)"),
+        "unstable_fraction": (share, f"{int(case.number('draws'))} draws, standard error {error:.2g}"),
+    }
+    for quantity, (value, method) in rows.items():
+        results.quantity(f"audit.{name}.{quantity}", float(value), method=method, source="Section IV")
+    results.say(f"Section IV, {name}", f"disk {reach:.4f}, norm {norm:.4f}, vertices {worst:.4f}, unstable {share:.4f}")
+
+
+@task("Section IV, proposed controller")
+def proposed(case: Case, results: Results) -> None:
+    """Audit the printed proposed gains."""
+    gains = plant.controller(case, "proposed")
+    audit_controller(case, results, "proposed", gains)
+    A, B, C = reduced_loop(case, gains)
+    certify_nominal(case, results, "proposed", hinf_norm(A, B, C)[0], disk_of(case).reach(A))
+
+
+@task("Section IV, controller of [39]")
+def comparison(case: Case, results: Results) -> None:
+    """Audit the printed gains of the comparison controller."""
+    gains = plant.controller(case, "comparison")
+    audit_controller(case, results, "comparison", gains)
+    A, B, C = reduced_loop(case, gains)
+    certify_nominal(case, results, "comparison", hinf_norm(A, B, C)[0], disk_of(case).reach(A))
+
+
+@task("our designs")
+def designs(case: Case, results: Results) -> None:
+    """Audit our own designs the same way."""
+    for name in ("repaired", "best"):
+        read = results.read_design(name)
+        gains = type("Gains", (), {letter: read[letter] for letter in "ABC"})
+        audit_controller(case, results, name, gains)
+
+
+@task("(6), small angles")
+def small_angles(case: Case, results: Results) -> None:
+    """Rigid nonlinear attitude (1)-(4) against the linear (5)-(6) under the proposed controller, from Table 1's start."""
+    k, gains = plant.constants(case), plant.controller(case, "proposed")
+    J, n = np.array(k.inertia, dtype=float), k.orbital_rate
+    rigid_only = plant.Constants(n, k.inertia, k.envelope, np.zeros((1, 3)), (1.0,), (0.0,))
+    linear = plant.closed_loop(plant.rigid(rigid_only), gains)
+    horizon, x0 = case.number("horizon"), case.matrix("x0").ravel()
+
+    def gap(scale: float) -> float:
+        angles, rates = scale * x0[:3], scale * x0[3:]
+        first = np.concatenate([angles, attitude.rate_body(angles, rates, n), np.zeros(6)])
+
+        def nonlinear(t, s):
+            torque = gains.C @ s[6:]
+            omega = s[3:6]
+            turn = (torque + attitude.gravity_gradient(J, s[:3], n) - np.cross(omega, J * omega)) / J
+            return np.concatenate([attitude.euler_rates(s[:3], omega, n), turn, gains.A @ s[6:] + gains.B @ s[:3]])
+
+        times = np.linspace(0, min(horizon, 60.0), 241)
+        true = solve_ivp(nonlinear, (0, times[-1]), first, t_eval=times, rtol=1e-9, atol=1e-12).y
+        near = solve_ivp(lambda t, s: linear @ s, (0, times[-1]), np.concatenate([scale * x0, np.zeros(6)]),
+                         t_eval=times, rtol=1e-9, atol=1e-12).y  # fmt: skip
+        return float(np.abs(true[:3] - near[:3]).max() / (scale * np.abs(x0[:3]).max()))
+
+    for scale, name in ((1.0, "printed"), (4.0, "fourfold"), (12.0, "twelvefold")):
+        results.quantity(f"audit.small_angle.{name}", gap(scale), source="(5), (6), Remark 1",
+                         method="largest angle difference over the largest initial angle, rigid, no disturbance")  # fmt: skip
+    results.say("(6), small angles", f"linear model off by {gap(1.0):.2%} of the start from Table 1's angles")
+
+
+@task("Figure 6, torque bound")
+def torque_over_inputs(case: Case, results: Results) -> None:
+    """Scan the torque bound over the phase of the gain variation, which the paper does not vary."""
+    gains = plant.controller(case, "proposed")
+
+    def evaluate(inputs) -> float:
+        loop = FlexibleLoop(
+            case, gains, phase=inputs["variation_phase"], delta=response.INERTIAS[inputs["inertia_case"]]
+        )
+        return loop.peak(loop.solve(20)).value
+
+    inputs = [plausible(case, "variation_phase"), plausible(case, "inertia_case")]
+    bound = case.number("u_max")
+    found = scan("fig6-torque-bound", "audit.torque_over_inputs", inputs, evaluate, lambda peak: peak <= bound,
+                 criterion="the norm of the torque stays within u_max", samples=48)  # fmt: skip
+    results.scan(found)
+    results.quantity("audit.torque_over_inputs", evaluate({"variation_phase": 0.0, "inertia_case": "nominal"}),
+                     method="peak of the torque's norm, Table 1, full model", source="Figure 6")  # fmt: skip
+    results.say("Figure 6, torque bound", found.note)
+
+
+@task("Figures 8 and 9")
+def random_gains(case: Case, results: Results) -> None:
+    """Residual angles under random gains, in the three readings of how often they are drawn."""
+    seed, window = int(case.number("seed")), 100.0
+    for reading, hold in HOLDS.items():
+        residual = {}
+        for name in ("proposed", "comparison"):
+            loop = FlexibleLoop(case, plant.controller(case, name))
+            found = []
+            for number in range(SIMULATED[reading]):
+                times, states = response.redrawn(loop, hold, np.random.default_rng((seed, number)))
+                late = states[times >= times[-1] - window][:, response.ANGLES]
+                found.append(np.abs(late).max())
+            residual[name] = np.array(found)
+            median = float(np.median(residual[name]))
+            results.quantity(f"draws.{reading}.{name}.residual", min(median, 1e300), source="Figures 8 and 9",
+                             method=f"median over {len(found)} runs of the largest angle in the last 100 s")  # fmt: skip
+            results.quantity(f"draws.{reading}.{name}.diverged", float(np.mean(residual[name] > 1.0)),
+                             method=f"share of {len(found)} runs with an angle above 1 rad in the last 100 s",
+                             source="Figures 8 and 9")  # fmt: skip
+        better = float(np.mean(residual["proposed"] < residual["comparison"]))
+        results.quantity(f"draws.{reading}.proposed_smaller", better, source="Figures 8 and 9",
+                         method="share of the draws, common to both controllers, with the smaller residual")  # fmt: skip
+        results.say(f"Figures 8 and 9, {reading}", f"proposed has the smaller residual in {better:.0%} of the draws")
+
+
+TASKS = (orbit, open_loop, proposed, comparison, designs, small_angles, torque_over_inputs, random_gains)

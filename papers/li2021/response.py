@@ -1,0 +1,103 @@
+"""The full loop (6) with (8) in time: Table 1's start and disturbance, periodic or redrawn gains."""
+
+import numpy as np
+
+from gainsay.simulation.periodic import Extreme, PeriodicSolution, held, with_oscillators
+from papers.li2021 import plant
+
+ANGLES, RATES, MODES, CONTROLLER = slice(0, 3), slice(3, 6), slice(6, 10), slice(14, 20)
+#: delta_i of each choice of `inertia_case`; Delta J2 is printed negative
+INERTIAS = {"nominal": (0, 0, 0), "heavy": (1, -1, 1), "light": (-1, 1, -1)}
+
+
+class FlexibleLoop:
+    """Flexible plant with a controller, disturbance as three further states: 14 + 6 + 3 states.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    gains : namespace with A, B, C
+    amplitude : float, optional
+        Of the common sine of all twelve gain channels; the paper's delta_m where left out.
+    phase : float, optional
+        rad.
+    delta : tuple of float, optional
+        Normalised inertia perturbations.
+    """
+
+    def __init__(self, case, gains, amplitude: float | None = None, phase: float | None = None, delta=None) -> None:
+        self.k = plant.constants(case)
+        self.gains, self.case = gains, case
+        self.amplitude = case.number("delta_m") if amplitude is None else amplitude
+        self.phase = case.number("variation_phase") if phase is None else phase
+        delta = INERTIAS[case.choice("inertia_case")] if delta is None else delta
+        self.plant = plant.flexible(self.k, delta)
+        self.rate = 2 * np.pi * case.number("variation_frequency")
+        self.nominal = self._with_disturbance(np.ones(12))
+        self.slope = self._with_disturbance(np.full(12, 2.0)) - self.nominal
+
+    def _with_disturbance(self, factors: np.ndarray) -> np.ndarray:
+        shapes = np.zeros((20, 3))
+        shapes[:14] = self.plant.B @ plant.disturbance(self.case, self.k)
+        return with_oscillators(self.state_matrix(factors), shapes, self.k.orbital_rate)
+
+    def state_matrix(self, factors: np.ndarray) -> np.ndarray:
+        """State matrix (20, 20) for twelve gain factors."""
+        return plant.closed_loop(self.plant, self.gains, factors[:6], factors[6:9], factors[9:])
+
+    def variation(self, t):
+        """Common gain variation at time t (s)."""
+        return self.amplitude * np.sin(self.rate * np.asarray(t) + self.phase)
+
+    def __call__(self, t: float) -> np.ndarray:
+        """State matrix (23, 23) at time t."""
+        return self.nominal + self.variation(t) * self.slope
+
+    def start(self) -> np.ndarray:
+        """Table 1's angles and rates; modes and controller at rest."""
+        state = np.zeros(23)
+        state[:6] = self.case.matrix("x0").ravel()
+        state[[20, 22]] = 1
+        return state
+
+    def solve(self, steps: int = 40) -> PeriodicSolution:
+        """Solution over the horizon, by fundamental-matrix maps over one period of the variation."""
+        period = 2 * np.pi / self.rate
+        return PeriodicSolution(self, period, self.start(), round(self.case.number("horizon") / period), steps)
+
+    def torque(self, t, state: np.ndarray) -> np.ndarray:
+        """Control torque C_Delta_f x_f at times and states, shape (..., 3), N m."""
+        return (1 + self.variation(t))[..., None] * (state[..., CONTROLLER] @ self.gains.C.T)
+
+    def torque_size(self, t, state: np.ndarray):
+        """Euclidean norm of the torque, N m."""
+        return np.linalg.norm(self.torque(t, state), axis=-1)
+
+    def peak(self, solution: PeriodicSolution) -> Extreme:
+        """Largest norm of the torque over continuous time."""
+        return solution.largest(self.torque_size)
+
+
+def redrawn(loop: FlexibleLoop, hold: str, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Solution with twelve factors 1 + U(0, 1), drawn once or redrawn every `hold` seconds and held.
+
+    Parameters
+    ----------
+    loop : FlexibleLoop
+    hold : str
+        ``constant``, or the length of an interval in seconds.
+    generator : numpy.random.Generator
+
+    Returns
+    -------
+    times, states : ndarray
+        Nodes at most one second apart.
+    """
+    horizon = loop.case.number("horizon")
+    interval = horizon if hold == "constant" else float(hold)
+    count = round(horizon / interval)
+    # the state matrix is affine in the products of channels, so every draw is assembled by itself, in one stack
+    factors = 1 + generator.random((count, 12))
+    stack = np.repeat(loop.nominal[None], count, axis=0)
+    stack[:, :20, :20] = plant.closed_loop(loop.plant, loop.gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
+    return held(stack, interval, loop.start(), inner=max(1, round(interval)))

@@ -1,0 +1,277 @@
+"""Synthesis of li2021: what its conditions can and cannot do, and controllers of ours certified for what it promised."""
+
+from types import SimpleNamespace
+
+import numpy as np
+from scipy.linalg import block_diag, solve_continuous_lyapunov
+from scipy.optimize import brentq
+
+from gainsay.errors import ComputationError
+from gainsay.lmi import Infimum, Solved, infimum, solve
+from gainsay.proof import build
+from gainsay.tables import Case
+from gainsay.tables.results import Results, task
+from papers.li2021 import arcs, certify, design, lmis, plant, proofs, robust
+
+#: share of a limit found in floating point at which the certificate is made
+ROOM = 0.998
+#: stages of the search for the largest gain variation: variation, static gain allowed
+STAGES = ((0.06, 1.5), (0.12, 3.0))
+
+
+def enclosed(program, where: str) -> Infimum:
+    """Infimum of a program that must have one."""
+    found = infimum(program)
+    if not isinstance(found, Infimum):
+        raise getattr(found, "error", None) or ComputationError(where, "infeasible", found.attempts)
+    return found
+
+
+@task("Section II.B, factors")
+def factors(case: Case, results: Results) -> None:
+    """Factorisations of Delta D and Delta G with the corrected factors, and what is misprinted."""
+    for which in "DG":
+        results.certificate(proofs.factorisation(case, which))
+        results.quantity(f"factorisation.{which.lower()}", 1, method="polynomial identity in delta_1, delta_2, delta_3",
+                         source="Section II.B")  # fmt: skip
+    results.certificate(proofs.misprint(
+        case, "g0-parentheses", "G0(3,3) as printed, n^2 J20 - J10, is not n^2 (J20 - J10).",
+        "n**2 * J2 - J1", "n**2 * (J2 - J1)", "misprint.g0",
+    ))  # fmt: skip
+    results.certificate(proofs.misprint(
+        case, "d0-third-row", "D0 as printed, with two rows, is not D(J0) of (6).",
+        "n * (J1 + J3 - J2) * turn[0:2, 0:3]", "D0", "misprint.d0",
+    ))  # fmt: skip
+    padded = (("printed_third", "[[0, 1, 0, -1, 0, 0]]"),)
+    results.certificate(proofs.misprint(
+        case, "gamma-d-third-row", "The third row of Gamma_D as printed, filled with zeros, is not the one needed.",
+        "printed_third", "printed('GammaD').T[2:3, 0:6]", "misprint.gamma_d", padded,
+    ))  # fmt: skip
+    results.certificate(proofs.misprint(
+        case, "gamma-g-rows", "Gamma_G as printed has five rows and columns; Xi_G Delta_G Gamma_G needs 6x3.",
+        "[[4, 0, 0, 1, 0], [0, 0, 1, -1, 0], [0, 0, 1, -1, 0], [0, 1, -1, 0, 0], [0, 1, 0, 0, 1]].T",
+        "printed('GammaG')", "misprint.gamma_g",
+    ))  # fmt: skip
+    for name in ("g0", "d0", "gamma_d", "gamma_g"):
+        results.quantity(f"misprint.{name}", 0, method="the two sides differ", source="Section II.B")
+    results.say("Section II.B, factors", "Delta D and Delta G factor with corrected Gamma_D, Gamma_G; four misprints")
+
+
+@task("(20), (B.5)")
+def start_ellipsoid(case: Case, results: Results) -> None:
+    """(20) does not bound x(0)'(S - N) x(0): a point that satisfies it and not the bound."""
+    blocks = proofs.blocks(("t", "a", "b"), {
+        ("t", "t"): "-theta", ("t", "a"): "-x0.T", ("t", "b"): "-x0.T", ("a", "a"): "-S", ("a", "b"): "-S",
+        ("b", "b"): "-Y",
+    })  # fmt: skip
+    results.certificate(build.certificate(
+        "feasible", id="eq20-no-bound", paper=case.name, tables=case, claims=("eq20-start",),
+        statement="S > 0 and Y = S - N > S satisfy (20) for Table 1's x(0) and theta, although x(0)'Y x(0) > 2 theta: "
+        "(B.5) bounds xi(0)'P^-1 xi(0).",
+        definitions=(("theta", "number('theta')"), ("x0", "printed('x0')")), unknowns=proofs.symmetric(S=6, Y=6),
+        fields={"constraints": [["(20)", f"{blocks} <= 0"], ["S", "S > 0"], ["N", "Y - S > 0"],
+                                ["start", "x0.T @ Y @ x0 >= 2 * theta"]]},
+        witness={"S": 9999.0 * np.eye(6), "Y": 10000.0 * np.eye(6)}, quantities={"feasible": "eq20.without_bound"},
+    ))  # fmt: skip
+    results.quantity("eq20.without_bound", 1, method="a point with (20) and x(0)'(S - N) x(0) > 2 theta", source="(20)")
+    results.say("(20), (B.5)", "does not bound the start: a point satisfies it and leaves the ellipsoid")
+
+
+@task("(17)")
+def theorem2(case: Case, results: Results) -> None:
+    """Theorem 2 in its four readings: the same two rows are infeasible for every value of the scalars."""
+    model, scalars = lmis.Model.of(case), lmis.table1(case)
+    readings = [lmis.theorem2(model, scalars, divided, thin) for divided in (False, True) for thin in (False, True)]
+    rows = [form.sub("1a", "5a") for form in readings]
+    same = sum(not rows[0].differences(other) for other in rows)
+    results.quantity("eq17.readings", same, method="readings whose rows 1a and 5a are those of the certificate",
+                     source="(17)")  # fmt: skip
+    results.certificate(proofs.disk_block(case))
+    results.quantity(
+        "eq17.feasible", 0, method="Farkas multipliers of rows 1a and 5a, no scalar in them", source="(17)"
+    )
+    results.say("(17)", f"infeasible for all scalars in {same} readings, Farkas certificate checked")
+
+
+@task("(13)")
+def theorem1(case: Case, results: Results) -> None:
+    """Theorem 1 at Table 1's scalars, in both readings of eps2."""
+    model, scalars = lmis.Model.of(case), lmis.table1(case)
+    for divided, quantity in ((False, "eq13.feasible"), (True, "eq13.feasible_divided")):
+        found = enclosed(lmis.pushed(lmis.theorem1_necessary(model, scalars, divided)), "(13)")
+        results.attempt("(13)", list(found.attempts))
+        results.certificate(proofs.theorem1(case, found.multipliers["(13)"], divided))
+        results.quantity(quantity, 0, method="Farkas multipliers of a linear consequence", source="(13), Table 1")
+    results.say("(13)", "infeasible at Table 1's scalars in both readings of eps2")
+
+
+@task("(19) with (12)")
+def lemma4(case: Case, results: Results) -> None:
+    """(19) with the printed C_f against (12) at lambda = 1."""
+    model, scalars = lmis.Model.of(case), lmis.table1(case)
+    found = enclosed(lmis.pushed(lmis.lemma4_against_lemma3(model, case.matrix("Cf"), scalars)), "(19)")
+    kept = {label: z for label, z in found.multipliers.items() if label != "t < 1"}
+    results.certificate(proofs.lemma4_against_lemma3(case, kept))
+    results.quantity("eq19.feasible_with_eq12", 0, method="Farkas multipliers of the rows of the rates",
+                     source="(12), (19)")  # fmt: skip
+    results.say("(19) with (12)", "exclude each other for the printed C_f, Farkas certificate checked")
+
+
+def least_gamma(case: Case, results: Results, lam: str, uncertain: bool, quantity: str, stem: str) -> float:
+    """Least gamma of (12) over all gains, with a certificate on each side."""
+    model = lmis.Model.of(case)
+    eps1 = case.number("eps1") if uncertain else None
+    found = enclosed(lmis.lemma3_synthesis(model, float(lam), eps1=eps1), "(12)")
+    results.attempt("(12)", list(found.attempts))
+    square = f"{quantity}_squared"
+    results.certificate(proofs.lemma3_point(
+        case, f"{stem}-point", found.solved.values, lam, quantity=square, uncertain=uncertain))  # fmt: skip
+    multiplier = found.multipliers["(12)"]
+    results.certificate(proofs.lemma3_bound(
+        case, f"{stem}-bound", multiplier, lam, quantity=square, uncertain=uncertain))  # fmt: skip
+    gamma = float(np.sqrt(found.value))
+    low, high = float(np.sqrt(found.lower)), float(np.sqrt(found.upper))
+    method = "semidefinite program after the change of variables, enclosed by a point and by multipliers"
+    results.quantity(square, found.value, lower=found.lower, upper=found.upper, method=method, source="(12)")
+    results.quantity(quantity, gamma, lower=low, upper=high, method=method, source="(12)")
+    return gamma
+
+
+@task("(12), all gains")
+def lemma3(case: Case, results: Results) -> None:
+    """Least gamma of Lemma 3 over all gains at lambda = 1, nominal and with Delta A; the band of lambda at gamma = 10."""
+    nominal = least_gamma(case, results, "1", False, "lemma3.gamma_min", "eq12-gamma")
+    uncertain = least_gamma(case, results, "1", True, "lemma3.gamma_min_uncertain", "eq12-gamma-uncertain")
+    results.say("(12), all gains", f"least gamma {nominal:.6f}, with Delta A {uncertain:.6f} at lambda = 1")
+
+
+@task("(12), band of lambda")
+def lambda_band(case: Case, results: Results) -> None:
+    """The values of lambda at which (12) can be met at all with the paper's gamma, certified inside near both ends."""
+    model, gamma = lmis.Model.of(case), case.number("gamma")
+
+    def level(exponent: float) -> float:
+        return enclosed(lmis.pushed(lmis.lemma3_synthesis(model, 10.0**exponent, gamma)), "(12)").value
+
+    for end, (inside, outside) in {"low": (0.0, -0.6), "high": (1.0, 2.5)}.items():
+        exponent = brentq(level, inside, outside, xtol=1e-4)
+        lam = 10.0**exponent
+        results.quantity(f"lemma3.lambda_{end}", lam, method="root of the largest common margin over log lambda",
+                         source="(12)")  # fmt: skip
+        near = f"{lam * (1.02 if end == 'low' else 0.98):.4g}"
+        found = solve(lmis.lemma3_synthesis(model, float(near), gamma))
+        if not isinstance(found, Solved):
+            raise ComputationError("(12)", f"no point at lambda = {near}", found.attempts)
+        results.certificate(proofs.lemma3_feasible(case, f"eq12-lambda-{end}", found.values, near, end))
+    results.say("(12), band of lambda", "feasible at the paper's gamma on a band of lambda, points near both ends")
+
+
+@task("(12), printed gains")
+def printed_gains(case: Case, results: Results) -> None:
+    """The printed gains in (12): infeasible at lambda = 1, least gamma at lambda = 3."""
+    model, gains = lmis.Model.of(case), plant.controller(case, "proposed")
+    loop = plant.closed_loop(plant.rigid(plant.constants(case)), gains)
+    T = np.linalg.cholesky(solve_continuous_lyapunov(loop, -np.eye(12)))
+    inverse = np.linalg.inv(T)
+    failing = enclosed(lmis.pushed(lmis.lemma3_analysis(model, gains, case.number("lambda"), T, np.inf)), "(12)")
+    scale = block_diag(T, np.eye(9), T)
+    results.certificate(proofs.printed_gains_fail(case, scale @ failing.multipliers["(12)"] @ scale.T))
+    results.quantity("eq12.printed_feasible", 0, method="Farkas multipliers, gamma left out", source="(12)")
+    found = enclosed(lmis.lemma3_analysis(model, gains, case.number("lambda_pass"), T), "(12)")
+    values, scale = found.solved.values, block_diag(T, np.eye(12), T)
+    results.certificate(proofs.printed_gains_pass(case, inverse.T @ values["P"] @ inverse, float(values["g2"])))
+    results.certificate(proofs.printed_gains_bound(case, scale @ found.multipliers["(12)"] @ scale.T))
+    ends = {"lower": found.lower, "upper": found.upper}
+    method = "semidefinite program in a full P at lambda = 3, enclosed by a point and by multipliers"
+    results.quantity("lemma3.printed_gamma_min_squared", found.value, method=method, source="(12)", **ends)
+    roots = {end: float(np.sqrt(value)) for end, value in ends.items()}
+    results.quantity("lemma3.printed_gamma_min", float(np.sqrt(found.value)), method=method, source="(12)", **roots)
+    results.say("(12), printed gains", f"no P at lambda = 1; least gamma {np.sqrt(found.value):.6f} at lambda = 3")
+
+
+def limits(case: Case, gains) -> SimpleNamespace:
+    """Gain variations up to which disk (constant), norm and disk with one P hold, in floating point."""
+    k, a, b = plant.constants(case), case.number("disk_centre"), case.number("disk_radius")
+
+    def form(delta: float) -> robust.Loop:
+        return robust.loop(k, gains, delta).balanced()
+
+    circle = -a + b * np.exp(1j * np.linspace(0, np.pi, 61))
+
+    def shared(delta: float) -> float:
+        loop = form(delta)
+        return robust.shared_scaling(np.array([loop.response(z) for z in circle]))[0] - 1
+
+    disk, _ = arcs.largest_delta(form, a, b, 0.005, 0.4)
+    gamma = case.number("gamma") * 0.9995
+    norm = brentq(lambda delta: robust.norm_scaling(form(delta), gamma)[0] - 1, 0.005, 0.4, xtol=1e-5)
+    return SimpleNamespace(disk=disk, norm=norm, one_matrix=brentq(shared, 0.002, disk, xtol=1e-5))
+
+
+def certify_limit(case: Case, results: Results, name: str, gains, formulas, claims=()) -> None:
+    """Largest gain variation with all three requirements proved, by arcs and with one matrix for the disk."""
+    found = limits(case, gains)
+    largest = min(found.disk, found.norm)
+    evidence = certify.gather(case, gains, float(f"{ROOM * largest:.4g}"))
+    quantity = f"certified.{name}.delta_m"
+    results.certificate(certify.certificate(
+        case, f"{name}-delta-m", gains, formulas, evidence, quantity=quantity, claims=claims,
+        statement=f"The {name} gains meet disk, norm and torque together for gain variations up to dm, inertia included.",
+    ))  # fmt: skip
+    results.quantity(quantity, evidence.delta_m, source="requirements 1 to 3",
+                     method=f"certified; disk by {len(evidence.chain)} arcs, limit {found.disk:.5f}; norm and torque by one "
+                     f"quadratic function each, limit {found.norm:.5f}")  # fmt: skip
+    results.quantity(f"{quantity}_quadratic", min(found.one_matrix, largest), source="requirements 1 to 3",
+                     method="one quadratic function for the disk too; least scaled norm over the circle equal to one")  # fmt: skip
+    results.say("requirements 1 to 3", f"{name}: certified up to delta_m = {evidence.delta_m}")
+
+
+@task("requirements 1 to 3, printed gains")
+def printed_limit(case: Case, results: Results) -> None:
+    """Largest gain variation for which the printed gains are proved, and for those of [39]."""
+    gains = plant.controller(case, "proposed")
+    certify_limit(case, results, "printed", gains, certify.PRINTED, ("theorem3-requirements",))
+
+
+def improved(case: Case, gains, wishes: design.Wishes, rounds: int = 2) -> SimpleNamespace:
+    """Gains of `design.improve`, rounded to six decimals."""
+    disk = (case.number("disk_centre"), case.number("disk_radius"))
+    found = design.improve(plant.constants(case), gains, wishes, disk, case.matrix("x0").ravel(), rounds)
+    return design.unpack(np.round(design.pack(found), 6))
+
+
+@task("repaired design")
+def repaired(case: Case, results: Results) -> None:
+    """A controller better than the printed one on the paper's own measures, certified at its delta_m and beyond."""
+    wishes = design.Wishes(
+        case.number("delta_m"), disk_radius=0.685, abscissa_flexible=-0.00636, static_gain=0.885, torque=0.425
+    )
+    gains = improved(case, plant.controller(case, "proposed"), wishes)
+    results.design("repaired", note="searched from the printed gains", A=gains.A, B=gains.B, C=gains.C)
+    certify_limit(case, results, "repaired", gains, certify.of_design("repaired"))
+
+
+@task("largest gain variation")
+def best(case: Case, results: Results) -> None:
+    """Controllers for the largest gain variation with all three requirements; stages of the trade-off."""
+    gains = plant.controller(case, "proposed")
+    reached = []
+    for number, (delta, static) in enumerate(STAGES, start=1):
+        wishes = design.Wishes(delta, gamma=9.0, static_gain=static, torque=0.6)
+        gains = improved(case, gains, wishes)
+        found = limits(case, gains)
+        reached.append((min(found.disk, found.norm), number, gains))
+        k = plant.rigid(plant.constants(case))
+        loop = plant.closed_loop(k, gains)
+        gain = np.linalg.norm(np.linalg.solve(loop, np.vstack([k.B, np.zeros((6, 3))]))[:3], 2)
+        results.quantity(f"tradeoff.{number}.delta_m", reached[-1][0], source="requirements 1 to 3",
+                         method="least of the limits of disk and norm")  # fmt: skip
+        results.quantity(f"tradeoff.{number}.static_gain", float(gain), source="(10)", method="norm of -C A^-1 B")
+    _, _, gains = max(reached, key=lambda entry: entry[0])
+    results.design("best", note="searched from the printed gains in stages", A=gains.A, B=gains.B, C=gains.C)
+    certify_limit(case, results, "best", gains, certify.of_design("best"))
+
+
+TASKS = (
+    factors, start_ellipsoid, theorem2, theorem1, lemma4, lemma3, lambda_band, printed_gains, printed_limit, repaired, best,
+)  # fmt: skip

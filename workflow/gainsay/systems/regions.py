@@ -1,0 +1,105 @@
+"""Regions of the complex plane for poles: disks and half planes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
+
+from gainsay.errors import InputError
+from gainsay.systems.statespace import spectral_abscissa, square
+
+
+@dataclass(frozen=True)
+class Disk:
+    """Disk |s + centre| < radius, D(a, b) of the literature on pole placement.
+
+    Parameters
+    ----------
+    centre : float
+        a, 1/s: the disk is centred at -a on the real axis.
+    radius : float
+        b, 1/s.
+
+    Raises
+    ------
+    InputError
+        If the radius is not positive or a number is not finite.
+    """
+
+    centre: float
+    radius: float
+
+    def __post_init__(self) -> None:
+        if not np.isfinite(self.centre) or not np.isfinite(self.radius) or self.radius <= 0:
+            raise InputError("disk", value=(self.centre, self.radius), expected="a finite centre, a positive radius")
+
+    def reach(self, A) -> float:
+        """Largest modulus of s + centre over the eigenvalues s of A, 1/s; stacks of matrices give an array.
+
+        Parameters
+        ----------
+        A : array_like, shape (..., n, n)
+        """
+        return _largest(np.abs(np.linalg.eigvals(_stack(A)) + self.centre))
+
+    def holds(self, A) -> bool:
+        """Whether every eigenvalue of A lies in the disk (floating point)."""
+        return bool(np.all(self.reach(A) < self.radius))
+
+    def lyapunov_matrix(self, A) -> np.ndarray:
+        """P > 0 with (A + aI)' P (A + aI) - b^2 P = -b^2 I: it proves that A has its eigenvalues in the disk.
+
+        Raises
+        ------
+        InputError
+            If they are not.
+        """
+        A = square(A)
+        if not self.holds(A):
+            raise InputError(
+                "eigenvalues outside the disk: reach", value=self.reach(A), expected=f"below {self.radius}"
+            )
+        moved = (A + self.centre * np.eye(len(A))) / self.radius
+        P = solve_discrete_lyapunov(moved.T, np.eye(len(A)))
+        return (P + P.T) / 2
+
+
+@dataclass(frozen=True)
+class HalfPlane:
+    """Half plane Re s < abscissa."""
+
+    abscissa: float = 0.0
+
+    def reach(self, A) -> float:
+        """Largest real part over the eigenvalues of A, 1/s; stacks of matrices give an array."""
+        return _largest(np.linalg.eigvals(_stack(A)).real)
+
+    def holds(self, A) -> bool:
+        """Whether every eigenvalue of A lies in the half plane (floating point)."""
+        return bool(np.all(self.reach(A) < self.abscissa))
+
+    def lyapunov_matrix(self, A) -> np.ndarray:
+        """P > 0 with (A - alpha I)' P + P (A - alpha I) = -I; raises InputError where there is none."""
+        A = square(A)
+        if not self.holds(A):
+            raise InputError(
+                "eigenvalues outside the half plane: abscissa",
+                value=spectral_abscissa(A),
+                expected=f"below {self.abscissa}",
+            )
+        P = solve_continuous_lyapunov((A - self.abscissa * np.eye(len(A))).T, -np.eye(len(A)))
+        return (P + P.T) / 2
+
+
+def _stack(A) -> np.ndarray:
+    A = np.asarray(A, dtype=float)
+    if A.ndim < 2 or A.shape[-1] != A.shape[-2] or A.shape[-1] == 0:
+        raise InputError("matrix", value=A.shape, expected="square matrices")
+    if not np.isfinite(A).all():
+        raise InputError("matrix with entries that are not finite", expected="finite entries")
+    return A
+
+
+def _largest(values: np.ndarray):
+    largest = values.max(axis=-1)
+    return float(largest) if largest.ndim == 0 else largest
