@@ -266,7 +266,8 @@ def test_a_scan_decides_over_the_plausible_inputs(kind):
     ("comparator", "published", "outcome", "low", "high"),
     [
         ("at_most", "2", "holds", 1.0, 2.1), ("at_most", "2", "fails", 1.9, 3.0), ("at_most", "2", "depends", 1.0, 1.5),
-        ("at_least", "2", "holds", 1.9, 3.0), ("inside", "1..2", "holds", 0.9, 1.5), ("equal", "1.50", "holds", 1.4, 1.5),
+        ("at_least", "2", "holds", 1.9, 3.0), ("inside", "1..2", "holds", 0.9, 1.5),
+        ("equal", "1.50", "holds", 1.4, 1.5),
         ("equal", "1.50", "fails", 1.5, 3.0),
     ],
 )  # fmt: skip
