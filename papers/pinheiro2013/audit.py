@@ -59,6 +59,18 @@ def kinematics(case, results):
     _identity(case, results, "eq2.rotation", "The matrix of (2) is orthogonal for all angles.", trigonometry,
               f"({ROTATION})@({ROTATION}).T", "eye(3)", modulo=CIRCLES, source="(2)")  # fmt: skip
     rates = "[[dphi], [dtheta], [dpsi]]"
+    turned = {
+        "c": f"({ROTATION})", "w": f"({RATE})@{rates}",
+        "cross": "[[0, -w[2, 0], w[1, 0]], [w[2, 0], 0, -w[0, 0]], [-w[1, 0], w[0, 0], 0]]",
+    }  # fmt: skip
+    moved = ROTATION
+    for letter, angle in (("f", "phi"), ("t", "theta"), ("p", "psi")):
+        moved = moved.replace(f"s{letter}", f"(S{letter} + e*C{letter}*d{angle})")
+        moved = moved.replace(f"c{letter}", f"(C{letter} - e*S{letter}*d{angle})")
+    moved = moved.replace("S", "s").replace("C", "c")
+    _identity(case, results, "eq3.kinematics", "With (3) the matrix C of (2) obeys dC/dt = -[omega x] C.",
+              f"{trigonometry} dphi dtheta dpsi e", moved, "c - e*cross@c", definitions=turned,
+              modulo=["e**2", *CIRCLES], source="(3)")  # fmt: skip
     five = f"({RATE})@{rates} - n*[[ct*sp], [sf*st*sp + cf*cp], [cf*st*sp - sf*cp]]"
     _identity(case, results, "eq5.kinematics", "(5) is (4): the rate of (3) less n times the second column of (2).",
               f"{trigonometry} dphi dtheta dpsi n", five, f"({RATE})@{rates} - n*({ROTATION})[0:3, 1:2]",
