@@ -189,6 +189,20 @@ def test_proved_numbers():
     assert (judged.verdict, judged.certificate, judged.range_high) == ("reproduced", "tight", 1.0)
 
 
+def test_stability_is_not_reached_on_the_boundary():
+    # A spectral abscissa of 0 is marginal: `at most 0` proves no asymptotic stability, `less than 0` does.
+    of = claim("at_most", "0", "stability")
+    below = Concluded("less_than", None, Fraction(0), "cert", "theorem")
+    assert verdict(of, evidence(at_most(0))) == "failed"
+    assert verdict(of, evidence(at_most(0), below)) == "reproduced"
+    assert verdict(of, evidence(at_most(Fraction(-1, 10**9)))) == "reproduced"
+    assert verdict(of, evidence(at_least(Fraction(1, 10**9)))) == "contradicted"
+    rate = claim("at_least", "0", "stability")
+    assert verdict(rate, evidence(at_least(0))) == "failed"
+    assert verdict(rate, evidence(Concluded("greater_than", Fraction(0), None, "cert", "t"))) == "reproduced"
+    assert verdict(claim("at_most", "0", "norm-bound"), evidence(at_most(0))) == "reproduced"
+
+
 def test_a_bound_proved_about_another_quantity_counts_for_nothing():
     assert verdict(claim("at_most", "2", "norm-bound"), evidence(at_most(1), quantity="other")) == "failed"
 

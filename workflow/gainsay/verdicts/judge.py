@@ -171,6 +171,19 @@ def _narrowed(low: Number, high: Number, found: Found | None) -> tuple[Number, N
     return (low, high) if low <= high else (high, low)
 
 
+def _strict(claim: Claim, evidence: Evidence) -> bool:
+    """Say whether the bound of a claim is proved with room to spare or by a strict inequality."""
+    if claim.comparator not in ("at_most", "at_least"):
+        return True
+    bound = PrintedNumber(claim.published).value * to_si(claim.unit)[1]
+    said = evidence.concluded.get(claim.quantity, [])
+    if claim.comparator == "at_most":
+        ends = [(bound - c.high, c.relation == "less_than") for c in said if c.high is not None]
+    else:
+        ends = [(c.low - bound, c.relation == "greater_than") for c in said if c.low is not None]
+    return any(room > 0 or (room == 0 and strict) for room, strict in ends)
+
+
 def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     """Judge a number by the range that its evidence gives it."""
     found = evidence.found.get(claim.quantity)
@@ -200,6 +213,8 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     tolerance = _tolerance(claim)
     holds = _compare(claim, low, high, tolerance)
     shared["tolerance"] = _in_unit(claim, tolerance)
+    if holds and claim.kind == "stability" and not _strict(claim, evidence):
+        return Judgement("failed", note="proved up to the boundary: stability needs a strict inequality", **shared)
     if holds is None:
         reason = "no certificate decides it" if claim.kind in PROVED else "its error bound is too wide to decide"
         return Judgement("failed", note=reason, **shared)
