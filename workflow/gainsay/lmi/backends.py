@@ -100,6 +100,7 @@ def _clarabel(scaled: Scaled, constraints: Sequence, margin: float, setting: str
             cones.append(cone(len(constant)))
     settings = clarabel.DefaultSettings()
     settings.verbose = False
+    settings.max_threads = 1  # the order of sums, and so the last digits, must not depend on the machine
     settings.max_iter = 200
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-11
     for name, value in SETTINGS[setting].items():
