@@ -29,6 +29,11 @@ def _curve(panel, signal, field: str, design: str, factor: float, *, dashed: boo
     )  # fmt: skip
 
 
+def _finish(panel, place: str = "upper right") -> None:
+    finish(panel, legend=False)
+    panel.legend(loc=place, ncols=1, fontsize=6)
+
+
 def uncertainty(name: str, designs: tuple[str, ...]):
     """Return the drawing of an angle with and without uncertainty, one panel a reconstruction."""
 
@@ -41,7 +46,7 @@ def uncertainty(name: str, designs: tuple[str, ...]):
                 for k in (1, 2):
                     _curve(panel, log[f"/plant_{k}/angles"], name, design, DEGREES, dashed=True)
             panel.plot([], [], color="#666666", linewidth=0.9, linestyle=(0, (4, 2)), label="with uncertainty")
-            finish(panel)
+            _finish(panel)
 
     return draw
 
@@ -57,7 +62,7 @@ def control(name: str):
                 _curve(panel, log["/nominal/torque"], NAMES[name], design, 1.0, label=LABELS[design])
             bound(panel, case.number("wheel_torque"), "wheel of Table 2")
             panel.set_xlim(0, 60)
-            finish(panel)
+            _finish(panel, "lower right")
 
     return draw
 
@@ -71,7 +76,9 @@ def external(name: str):
             for design in ("h2", "mixed", "hinf"):
                 log = logs[f"{r}_{design}_disturbed"]
                 _curve(panel, log["/nominal/angles"], name, design, DEGREES, label=LABELS[design])
-            finish(panel)
+            low, high = panel.get_ylim()
+            panel.set_ylim(low - 0.35 * (high - low), high)
+            _finish(panel, "lower center")
 
     return draw
 

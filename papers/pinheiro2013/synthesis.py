@@ -259,7 +259,7 @@ def gamma_min_certified(case, results):
     z = np.concatenate([np.zeros(2), r / np.linalg.norm(r), [1 / np.linalg.norm(r)], np.zeros(2)])
     multiplier = np.outer(z, z) + 1e-9 * np.diag([0, 0, 1, 1, 1, 1, 1, 1, 1])
     results.certificate(build.farkas(
-        id="below-gamma-min-infeasible", paper=case.name, tables=case, 
+        id="below-gamma-min-infeasible", paper=case.name, tables=case,
         statement="No state feedback for pitch, B, satisfies (21) corrected at 0.999999 of the norm of D11.",
         definitions={**formulas.pitch("b"), "level": "0.999999**2*(channels@channels.T)"}, unknowns=_unknowns(2, 1),
         fields={"constraints": [["(21)", _first_lmi("level", "-")]]},
@@ -275,7 +275,7 @@ def gamma_min_certified(case, results):
             "enclosed", id=f"gamma-min-{name}-{group}", paper=case.name, tables=case, definitions=definitions,
             statement=f"The norm of D11, hence the infimum of the level, {group}, reconstruction {name.upper()}.",
             fields={"formula": "least"}, quantities={"value": f"{name}.gamma_min.{group}"},
-            
+
             faith=("That no state feedback goes below the norm of D11, the response at infinite frequency.",),
         ))  # fmt: skip
         gamma = mixed.gamma_min(plant) * (1 + 1e-6)
