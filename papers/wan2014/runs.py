@@ -193,6 +193,9 @@ def _axes(topic: str, fields: tuple[str, ...], suffix: str = "", label: str = ""
     )
 
 
+#: what is shown at first: the approach, and the observer's transient, s
+_SHOWN, _TRANSIENT = 3000.0, 30.0
+
 ABOUT = """# Rendezvous of Wan, Liu and Karimi 2014
 
 A 200 kg chaser 5 km from its target in near-circular orbit, in the target's LVLH frame: x up, y along track, z out of
@@ -210,22 +213,22 @@ LAYOUT = Layout("wan2014", (
               elements=("trajectory", "estimated_trajectory", "thrust", "chaser", "target"),
               axes=("lvlh", "chaser")),
         Rows(
-            Plot("Relative position [m]", (*_axes("/chaser/state", ("x", "y", "z")),
+            Plot("Relative position [m]", until=_SHOWN, lines=(*_axes("/chaser/state", ("x", "y", "z")),
                                            *_axes("/observer/state", ("x", "y", "z"), "_estimate", " estimated"))),
-            Plot("Relative velocity [m/s]", (*_axes("/chaser/state", ("vx", "vy", "vz")),
+            Plot("Relative velocity [m/s]", until=_SHOWN, lines=(*_axes("/chaser/state", ("vx", "vy", "vz")),
                                              *_axes("/observer/state", ("vx", "vy", "vz"), "_estimate", " estimated"))),
-            Plot("Thrust [N]", _axes("/chaser/thrust", AXES),
+            Plot("Thrust [N]", _axes("/chaser/thrust", AXES), until=_SHOWN,
                  bounds=(Bound("thrust_x", "bound x, y"), Bound("thrust_z", "bound z"))),
         ),
         shares=(1, 1))),
     Tab("Observer", Rows(
-        Plot("Velocity error of the estimate [m/s]", _axes("/observer/error", ("vx", "vy", "vz"))),
-        Plot("Position error of the estimate [m]", _axes("/observer/error", ("x", "y", "z"))),
+        Plot("Velocity error of the estimate [m/s]", _axes("/observer/error", ("vx", "vy", "vz")), until=_TRANSIENT),
+        Plot("Position error of the estimate [m]", _axes("/observer/error", ("x", "y", "z")), until=_TRANSIENT),
     )),
     Tab("Integrals", Rows(
-        Plot("Range to the target [m]", (Line("/chaser/range", "range", "range", "magnitude"),)),
-        Plot("Cost J so far [1]", (Line("/integrals", "cost", "J", "magnitude"),)),
-        Plot("Velocity increment so far [m/s]", (Line("/integrals", "delta_v", "delta-v", "magnitude"),)),
+        Plot("Range to the target [m]", (Line("/chaser/range", "range", "range", "magnitude"),), until=_SHOWN),
+        Plot("Cost J so far [1]", (Line("/integrals", "cost", "J", "magnitude"),), until=_SHOWN),
+        Plot("Velocity increment so far [m/s]", (Line("/integrals", "delta_v", "delta-v", "magnitude"),), until=_SHOWN),
     )),
     Tab("About", Columns(Text("About", ABOUT), EventLog())),
 ))  # fmt: skip

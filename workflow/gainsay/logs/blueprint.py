@@ -90,7 +90,7 @@ def _plot(plot: Plot, log: Log) -> rrb.TimeSeriesView:
         axis_x=rrb.TimeAxis(
             view_range=rr.TimeRange(
                 start=rrb.TimeRangeBoundary.absolute(seconds=0.0),
-                end=rrb.TimeRangeBoundary.absolute(seconds=1.02 * log.duration),
+                end=rrb.TimeRangeBoundary.absolute(seconds=1.02 * (plot.until or log.duration)),
             )
         ),
         background=rrb.archetypes.PlotBackground(color=[*_GROUND, 255], show_grid=True),

@@ -104,6 +104,7 @@ class _Builder:
             "showXAxisLabels": True,
             "showYAxisLabels": True,
             "yAxisLabel": plot.unit,
+            **({} if plot.until is None else {"minXValue": 0, "maxXValue": plot.until}),
         }
 
     @staticmethod

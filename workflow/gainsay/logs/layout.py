@@ -52,11 +52,14 @@ class Plot:
         Ends in the unit that all its curves have, e.g. ``Thrust [N]``.
     lines : tuple of Line
     bounds : tuple of Bound
+    until : float, optional
+        End of the time shown at first, s, where all that matters is over long before the run ends.
     """
 
     title: str
     lines: tuple[Line, ...]
     bounds: tuple[Bound, ...] = ()
+    until: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lines", tuple(self.lines))
@@ -65,6 +68,8 @@ class Plot:
             raise InputError(f"plot {self.title!r}", expected="one line at least")
         if not _UNIT.fullmatch(self.title):
             raise InputError("title of a plot", value=self.title, expected="a unit in brackets at its end")
+        if self.until is not None and not self.until > 0:
+            raise InputError(f"plot {self.title!r}", field="until", value=self.until, expected="a time after 0")
 
     @property
     def unit(self) -> str:
