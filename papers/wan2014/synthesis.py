@@ -37,11 +37,16 @@ def theorem_2(case: Case, results: Results) -> None:
     problem = Problem(case)
     best = repair.enclosed(infimum(farkas_multipliers(problem)), "Farkas multipliers of (14)")
     _log(results, "(14)", best)
+    below, above = proofs.margin_below(case, best.solved.values), proofs.margin_above(case, best.multipliers)
+    results.certificate(below)
+    results.certificate(above)
     results.quantity(
         "farkas.margin",
         -best.value,
-        method=f"semidefinite program, enclosed to {best.width:.0e} by a point and multipliers recomputed in numpy",
+        method="semidefinite program, enclosed exactly by a point and by multipliers",
         source="(14), (41)",
+        lower=float(below.conclusions[-1].value),
+        upper=float(above.conclusions[-1].value),
     )
     inside = repair.needed(solve(farkas_multipliers(problem)), "Farkas multipliers of (14)")
     results.certificate(proofs.infeasible_14(case, inside.values))

@@ -8,12 +8,12 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 
 from gainsay.errors import CertificateError
 from gainsay.exact.ball import precision
-from gainsay.lmi import Infeasible, Solved, matrix, positive, solve, symmetric
+from gainsay.lmi import Infeasible, Solved, infimum, matrix, positive, solve, symmetric
 from gainsay.proof import Certificate, check
 from gainsay.proof.checker import CaseTables
 from gainsay.proof.scope import Scope
 from gainsay.tables.case import read_case
-from papers.wan2014 import digits, lmis, plant, proofs, repair
+from papers.wan2014 import digits, formulas, lmis, plant, proofs, repair
 
 ROOT = Path(__file__).parents[2]
 
@@ -87,11 +87,11 @@ def _random_point(seed=0):
 @pytest.mark.parametrize(
     ("build", "formula"),
     [
-        (lambda p, X, Y, e, r: lmis.inequality_14(p, X, Y, e), proofs.EQUATION_14),
-        (lambda p, X, Y, e, r: lmis.inequality_14_corrected(p, X, Y, e), proofs.EQUATION_14_CORRECTED),
+        (lambda p, X, Y, e, r: lmis.inequality_14(p, X, Y, e), formulas.EQUATION_14),
+        (lambda p, X, Y, e, r: lmis.inequality_14_corrected(p, X, Y, e), formulas.EQUATION_14_CORRECTED),
         (
             lambda p, X, Y, e, r: lmis.inequality_14(p, X, Y, e, r).sub("state", "uncertainty", "input", "weight"),
-            proofs.SUBPROBLEM_14,
+            formulas.SUBPROBLEM_14,
         ),
     ],
 )
@@ -99,13 +99,13 @@ def test_formulas_of_certificates_are_the_programs_blocks(case, problem, build, 
     # two independent writings of the same printed matrix: block by block in the program, as text in the certificate
     point = _random_point()
     block = build(problem, symmetric("X", 6), matrix("Y", 3, 6), positive("eps"), positive("rho"))
-    written = _formula(case, formula, point, proofs.model(case))
+    written = _formula(case, formula, point, formulas.model(case))
     np.testing.assert_allclose(written, block.value(point), rtol=1e-12, atol=1e-18)
 
 
 def test_closed_loop_formulas_are_the_programs_matrices(case, problem):
     loop = lmis.closed_loop(problem, case.matrix("K"))
-    definitions = proofs.closed_loop(case, "printed('K')")
+    definitions = formulas.closed_loop(case, "printed('K')")
     for name, value in {
         "Acl": loop.A,
         "H": loop.E,
@@ -146,7 +146,7 @@ def test_refutation_is_accepted_and_cannot_be_forged(case, multipliers):
     # the same multipliers say nothing about (14) without the plant's coupling through A - LC
     weaker = {
         **certificate.fields,
-        "constraints": [["(14)", proofs.EQUATION_14.replace("sym(Ac@X)", "-sym(Ac@X)") + " < 0"],
+        "constraints": [["(14)", formulas.EQUATION_14.replace("sym(Ac@X)", "-sym(Ac@X)") + " < 0"],
                         *certificate.fields["constraints"][1:]],
     }  # fmt: skip
     with pytest.raises(CertificateError):
@@ -157,6 +157,14 @@ def test_a_problem_with_a_solution_is_not_refuted(problem):
     # with the states measured (error block left out) the same machinery finds a point: the refutation is no artefact
     assert isinstance(solve(lmis.state_feedback(problem)), Solved)
     assert isinstance(solve(lmis.problem_38(problem)), Infeasible)
+
+
+def test_margin_is_enclosed_by_proofs(case, problem):
+    found = infimum(lmis.farkas_multipliers(problem))
+    (below,) = proofs.margin_below(case, found.solved.values).conclusions
+    (above,) = proofs.margin_above(case, found.multipliers).conclusions
+    assert (below.relation, above.relation) == ("at_least", "at_most")
+    assert 0 < float(below.value) <= -found.value <= float(above.value) < 1.0001 * float(below.value)
 
 
 def test_wrong_diagonal_by_hand(case, problem):
