@@ -269,7 +269,7 @@ def test_a_scan_decides_over_the_plausible_inputs(kind):
         ("depends", "undetermined", 1.0, 3.0),
     ):  # fmt: skip
         scan = {**base, "outcome": outcome, "smallest": low, "largest": high}
-        judged = judge(Tables(), of, evidence(value=found(1.5, 1.5, 1.5), scans={"c": scan}), {})
+        judged = judge(Tables(), of, evidence(value=found(low), scans={"c": scan}), {})
         assert (judged.verdict, judged.range_low) == (expected, low)
         assert judged.range_high == (None if high == math.inf else high)
         scan["quantity"] = "other"
@@ -296,6 +296,15 @@ def test_a_scan_that_counted_by_another_rule_than_the_claims_decides_nothing(com
         "largest": high,
     }
     assert verdict(claim(comparator, published, "ordering"), evidence(scans={"c": scan})) == "failed"
+
+
+@pytest.mark.parametrize(("outcome", "own"), [("holds", 3.0), ("fails", 1.0)])
+def test_a_scan_that_our_own_filling_denies_decides_nothing(outcome, own):
+    # The value computed at the assumed inputs is one plausible value more.
+    value = 1.5 if outcome == "holds" else 4.0
+    scan = {"quantity": "q", "samples": 256, "witness": "", "note": "", "outcome": outcome}
+    scan |= {"smallest": value, "largest": value}
+    assert verdict(claim("at_most", "2", "ordering"), evidence(value=found(own), scans={"c": scan})) == "failed"
 
 
 @given(st.lists(st.sampled_from(VERDICTS), min_size=1, max_size=6), st.randoms())

@@ -115,25 +115,30 @@ def _judge_feasibility(case: Case, claim: Claim, evidence: Evidence) -> Judgemen
     )  # fmt: skip
 
 
-def _scan_agrees(claim: Claim, scan: dict) -> bool:
-    """Say whether the smallest and largest values of a scan bear out its outcome under the claim's own comparator."""
+def _scan_agrees(claim: Claim, scan: dict, found: Found | None) -> bool:
+    """Say whether the extreme values of a scan, and the value at our own filling, bear out its outcome.
+
+    They are held against the claim's own comparator, so that a scan cannot count by another rule.
+    """
     if claim.comparator not in ("equal", "at_most", "at_least", "inside"):
         return True
-    least, greatest = (_compare(claim, scan[end], scan[end], _tolerance(claim)) for end in ("smallest", "largest"))
+    values = [scan["smallest"], scan["largest"]]
+    outcomes = [_compare(claim, value, value, _tolerance(claim)) for value in values]
+    own = [] if found is None else [_compare(claim, found.value, found.value, _tolerance(claim))]
     if scan["outcome"] == "holds":
-        return bool(least and greatest)
+        return all(outcomes + own)
     if scan["outcome"] == "fails":
-        return not least and not greatest
-    return not (least and greatest)
+        return not any(outcomes + own)
+    return not all(outcomes)
 
 
-def _judge_scan(claim: Claim, scan: dict) -> Judgement:
+def _judge_scan(claim: Claim, scan: dict, found: Found | None) -> Judgement:
     """Judge a claim over the plausible values of what the paper leaves out."""
     if scan["quantity"] != claim.quantity:
         return Judgement("failed", note=f"the scan is about {scan['quantity']}, the claim about {claim.quantity}")
-    if not _scan_agrees(claim, scan):
-        ends = f"{scan['smallest']!r}..{scan['largest']!r}"
-        return Judgement("failed", note=f"the scan says {scan['outcome']} over {ends}, the claim itself says otherwise")
+    if not _scan_agrees(claim, scan, found):
+        values = f"{scan['smallest']!r}..{scan['largest']!r}" + ("" if found is None else f" and {found.value!r}")
+        return Judgement("failed", note=f"the scan says {scan['outcome']}, the claim at {values} says otherwise")
     verdict = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined"}[scan["outcome"]]
     ends = [None if scan.get(end) is None else _in_unit(claim, scan[end]) for end in ("smallest", "largest")]
     return Judgement(
@@ -263,7 +268,7 @@ def judge(case: Case, claim: Claim, evidence: Evidence, verdicts: dict[str, str]
         witness = "" if worst == "reproduced" else f"{worst}: {' '.join(at_fault)}"
         return Judgement(worst, evidence="joined", witness=witness)
     if claim.id in evidence.scans and (claim.kind not in PROVED or evidence.scans[claim.id]["outcome"] == "depends"):
-        return _judge_scan(claim, evidence.scans[claim.id])
+        return _judge_scan(claim, evidence.scans[claim.id], evidence.found.get(claim.quantity))
     boolean = any(c.relation in ("holds", "fails") for c in evidence.concluded.get(claim.quantity, []))
     if claim.comparator in ("feasible", "infeasible") or (
         boolean and claim.kind in PROVED and claim.comparator == "equal"
