@@ -62,7 +62,7 @@ def control(name: str):
                 _curve(panel, log["/nominal/torque"], NAMES[name], design, 1.0, label=LABELS[design])
             bound(panel, case.number("wheel_torque"), "wheel of Table 2")
             panel.set_xlim(0, 60)
-            _finish(panel, "lower right")
+            _finish(panel, "center right")
 
     return draw
 

@@ -1,8 +1,8 @@
 """What the paper says of its three designs, over every plausible value of the inputs that it leaves out.
 
 Scans that need designs share their samples of moments of inertia, orbital rate and weights; the unit of the rates, or
-the harmonics and axes of (25), come beside them where they matter. At each, (21) is solved for pitch and for roll and yaw
-at gamma = 0.2, or at 1.001 of the infimum where 0.2 lies below it (the paper calls this level pure H-infinity and
+the harmonics and axes of (25), come beside them where they matter. At each, (21) is solved for pitch and for roll and
+yaw at gamma = 0.2, or at 1.001 of the infimum where 0.2 lies below it (the paper calls this level pure H-infinity and
 gamma_min), at 2 and at 100.
 """
 
@@ -320,7 +320,8 @@ def missing_inputs(case, results):
         try:
             found = scan(
                 question.claim, question.quantity, inputs(case, question.inputs),
-                lambda p, q=question: q.value(study(p)), question.holds, criterion=question.criterion, samples=int(case.number("scan_samples")),
+                lambda p, q=question: q.value(study(p)), question.holds,
+                criterion=question.criterion, samples=int(case.number("scan_samples")),
                 seed=int(case.number("scan_seed")), admissible=rigid(case),
             )  # fmt: skip
         except ComputationError as error:

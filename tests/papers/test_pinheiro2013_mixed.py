@@ -1,0 +1,130 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gainsay.errors import ComputationError, InputError
+from gainsay.lmi import Infimum, infimum
+from gainsay.systems.norms import h2_norm, hinf_norm
+from papers.pinheiro2013 import mixed
+from papers.pinheiro2013.plant import Satellite, generalized_plant
+from papers.pinheiro2013.scans import quick_design
+
+SATELLITE = Satellite((12.0, 11.0, 9.0), 1.0e-3)
+PITCH, ROLL_YAW = (generalized_plant(SATELLITE, group) for group in ("pitch", "roll_yaw"))
+moments = st.tuples(*[st.floats(4, 8)] * 3)
+
+
+def test_least_level_of_pitch_has_its_closed_form():
+    # Closed form: D11 has one row, -(p, 3 n^2 p Ix/Iy, 3 n^2 p Iz/Iy, -1/Iy) with p the relative change.
+    Ix, Iy, Iz = SATELLITE.inertia
+    g = 3 * SATELLITE.n**2 / Iy
+    expected = np.sqrt(0.01 * (1 + g**2 * (Ix**2 + Iz**2)) + 1 / Iy**2)
+    assert mixed.gamma_min(PITCH) == pytest.approx(expected, rel=1e-14)
+
+
+@given(moments, st.sampled_from(["pitch", "roll_yaw", "all"]), st.floats(1e-4, 2e-3))
+@settings(max_examples=30, deadline=None)
+def test_closed_form_gain_reaches_the_least_level(inertia, group, n):
+    # Law: the norm of a loop is at least that of its feedthrough; the closed-form gain meets the bound.
+    plant = generalized_plant(Satellite(inertia, n), group)
+    norm, _ = hinf_norm(*plant.closed(mixed.limit_gain(plant))[:4])
+    assert norm == pytest.approx(mixed.gamma_min(plant), rel=1e-9)
+
+
+@pytest.mark.parametrize("gamma", [0.15, 0.5, 2.0, 20.0])
+def test_lmi_agrees_with_descent_over_the_gains(gamma):
+    # Second method: the Riccati equation of a fixed gain, minimised over the two gains, no LMI.
+    found = infimum(mixed.mixed_program(PITCH, gamma))
+    assert isinstance(found, Infimum)
+    K = np.linalg.solve(found.values["X"], found.values["Y"].T).T
+    _, sqrt_trace = mixed.mixed_by_descent(PITCH, gamma, K)
+    assert np.sqrt(found.value) == pytest.approx(sqrt_trace, rel=1e-6)
+    assert found.lower <= sqrt_trace**2 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("plant", [PITCH, ROLL_YAW], ids=["pitch", "roll_yaw"])
+@pytest.mark.parametrize("gamma", [0.2, 2.0, 100.0])
+def test_design_keeps_both_bounds_and_its_trace_is_that_of_its_gain(plant, gamma):
+    design = mixed.mixed_design(plant, gamma)
+    assert design.hinf <= gamma
+    assert design.h2 <= design.sqrt_trace
+    # Identity: the least X for this gain solves a Riccati equation.
+    assert mixed.trace_of_gain(plant, design.K, gamma) == pytest.approx(design.sqrt_trace**2, rel=2e-6)
+    assert quick_design(plant.reduced(), gamma) == pytest.approx(design.K, rel=2e-3, abs=1e-5 * np.abs(design.K).max())
+
+
+def test_gains_forget_the_weights_at_the_least_level():
+    # Closed form of the limit: sqrt 2 and 2^(3/4) for pitch; sqrt 2 and 1 + sqrt 2 for roll and yaw; the distance to it
+    # is of the order of the distance to the level.
+    for weights in ((0.1, 0.1, 1.0), (1.0, 0.3, 1.0)):
+        satellite = Satellite(SATELLITE.inertia, SATELLITE.n, weights=weights)
+        plant = generalized_plant(satellite, "pitch")
+        K = mixed.mixed_design(plant, 1.0005 * mixed.gamma_min(plant)).K / satellite.moment("y")
+        assert K[0] == pytest.approx([np.sqrt(2), 2**0.75], rel=1e-3)
+        plant = generalized_plant(satellite, "roll_yaw")
+        K = mixed.mixed_design(plant, 1.0005 * mixed.gamma_min(plant)).K / satellite.moment("z")
+        assert K[1, [1, 3]] == pytest.approx([np.sqrt(2), 1 + np.sqrt(2)], rel=1e-3)
+
+
+def test_h2_limit_of_pitch_has_its_closed_form():
+    # Closed form of the double integrator's Riccati equation, derived by hand.
+    found = mixed.h2_design(PITCH)
+    K, norm = mixed.pitch_h2_closed_form(PITCH, SATELLITE.moment("y"))
+    assert pytest.approx(K, rel=1e-9) == found.K
+    assert (found.h2, found.sqrt_trace) == pytest.approx((norm, norm), rel=1e-9)
+
+
+def test_large_levels_approach_the_h2_limit_from_above():
+    limit = mixed.h2_design(ROLL_YAW)
+    bounds = [mixed.mixed_design(ROLL_YAW, gamma).sqrt_trace for gamma in (30.0, 100.0, 1000.0)]
+    assert bounds == sorted(bounds, reverse=True)
+    assert limit.h2 < bounds[-1] < limit.h2 * (1 + 1e-3)
+
+
+@given(st.floats(0.05, 5), st.floats(0.05, 5))
+@settings(max_examples=50, deadline=None)
+def test_closed_forms_of_both_pitch_norms(k1, k2):
+    K = (np.array([[k1, k2]]) + PITCH.A[1]) / PITCH.B2[1, 0]
+    A, B, C, D, C2 = PITCH.closed(K)
+    # Other methods: Hamiltonian test and Gramians.
+    assert mixed.pitch_norms(PITCH, k1, k2) == pytest.approx((h2_norm(A, B, C2), hinf_norm(A, B, C, D)[0]), rel=1e-7)
+
+
+@pytest.mark.parametrize("gamma", [0.15, 1.0, 10.0])
+def test_no_pitch_gain_beats_the_true_optimum(gamma):
+    K, least = mixed.pitch_true_optimum(PITCH, gamma)
+    A, B, C, D, C2 = PITCH.closed(K)
+    assert h2_norm(A, B, C2) == pytest.approx(least, rel=1e-8)
+    assert hinf_norm(A, B, C, D)[0] <= gamma * (1 + 1e-8)
+    assert least < mixed.mixed_design(PITCH, gamma).h2
+    generator, k = np.random.default_rng(1), PITCH.B2[1, 0] * K[0] - PITCH.A[1]
+    for factor in np.exp(generator.normal(0, 0.3, (3000, 2))):
+        h2, hinf = mixed.pitch_norms(PITCH, *(k * factor))
+        assert hinf > gamma or h2 >= least * (1 - 1e-9)
+
+
+@given(st.integers(0, 1000))
+@settings(max_examples=30, deadline=None)
+def test_printed_lmi_fails_everywhere(seed):
+    # Closed form: block (3, 3) is gamma^2 I, hence the largest eigenvalue is at least gamma^2.
+    generator = np.random.default_rng(seed)
+    X = generator.standard_normal((2, 2))
+    values = {"X": X @ X.T, "Y": generator.standard_normal((1, 2))}
+    from gainsay.lmi import matrix, symmetric
+
+    F = mixed.h_infinity_block(PITCH, 2.0, symmetric("X", 2), matrix("Y", 1, 2), sign=1)
+    assert np.linalg.eigvalsh(F.value(values))[-1] >= 4.0
+
+
+def test_level_below_the_least_is_refused_with_the_least_named():
+    least = mixed.gamma_min(PITCH)
+    for call in (mixed.mixed_design, mixed.mixed_program, mixed.pitch_true_optimum):
+        with pytest.raises(InputError, match=rf"gamma 0\.09.*{least!r}|{least!r}.*gamma 0\.09|gamma_min = {least!r}"):
+            call(PITCH, 0.09)
+
+
+def test_gain_that_misses_the_level_has_no_covariance():
+    with pytest.raises(ComputationError, match=r"gamma = 2\.0"):
+        mixed.least_covariance(PITCH, mixed.h2_design(PITCH).K, 2.0)
+    assert mixed.trace_of_gain(PITCH, -np.ones((1, 2)), 2.0) == np.inf

@@ -1,0 +1,122 @@
+import csv
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gainsay.exact.digits import PrintedNumber
+from papers.pinheiro2013 import formulas
+from papers.pinheiro2013.plant import Satellite, generalized_plant
+
+SECOND = Path(__file__).with_name("pinheiro2013_second_reading")
+FOLDER = Path(__file__).parents[2] / "papers" / "pinheiro2013"
+
+
+def rows(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+PARAMETERS = {row["name"]: row for row in rows(FOLDER / "parameters.csv")}
+
+
+@pytest.mark.parametrize("reading", rows(SECOND / "numbers.csv"), ids=lambda r: r["parameter"])
+def test_second_reading_of_the_numbers(reading):
+    # Expected: the paper's text, transcribed a second time with the words around each number.
+    assert PARAMETERS[reading["parameter"]]["value"] == reading["as_printed"]
+    assert PARAMETERS[reading["parameter"]]["status"] == "printed"
+
+
+def test_every_printed_number_was_read_twice():
+    printed = {name for name, row in PARAMETERS.items() if row["status"] == "printed" and row["type"] == "number"}
+    assert printed == {row["parameter"] for row in rows(SECOND / "numbers.csv")}
+
+
+@pytest.mark.parametrize("reading", rows(SECOND / "vectors.csv"), ids=lambda r: r["where"])
+def test_second_reading_of_the_vectors(reading):
+    text = (FOLDER / PARAMETERS[reading["matrix"]]["value"].split()[0]).read_text(encoding="utf-8")
+    table = [line.split(",") for line in text.split()]
+    row = [line[0] for line in table] if reading["row"] == "0" else table[int(reading["row"]) - 1]
+    wanted = [token.replace(",", ".").replace("+", "") for token in reading["as_printed"].split()]
+    assert row == wanted
+
+
+def test_plant_is_the_printed_one_but_for_the_sign_of_the_torques():
+    # Expected: (18) transcribed entry by entry; d and u enter with the sign of (12), erratum eq18-torque-sign.
+    satellite = Satellite((7.0, 6.0, 5.0), 1e-3, 0.1, (0.2, 0.3, 0.7))
+    values = {
+        "n": 1e-3,
+        "Ix": 7.0,
+        "Iy": 6.0,
+        "Iz": 5.0,
+        "px": 0.7,
+        "py": 0.6,
+        "pz": 0.5,
+        "Q1": 0.2,
+        "Q2": 0.3,
+        "R": 0.7,
+    }
+    with (SECOND / "eq18.csv").open() as file:
+        printed = np.array([[eval(entry.replace("^", "**"), {}, values) for entry in row] for row in csv.reader(file)])
+    for i in (1, 2):
+        printed[i, 5:] *= -1
+    plant = generalized_plant(satellite, "pitch")
+    z2 = np.hstack([plant.C2, np.zeros((3, 4)), plant.D22])
+    assert np.hstack([plant.A, plant.B1, plant.B2]) == pytest.approx(printed[:2], rel=1e-14)
+    assert np.hstack([plant.C1, plant.D11, plant.D12]) == pytest.approx(printed[2:5], rel=1e-14)
+    assert z2 == pytest.approx(printed[5:8])
+
+
+class Tables:
+    """Only what formulas read: parameters, exact."""
+
+    def exact(self, name):
+        unit = {"%": Fraction(1, 100)}.get(PARAMETERS[name]["unit"], 1)
+        return PrintedNumber(PARAMETERS[name]["value"]).value * unit
+
+    def number(self, name):
+        return float(self.exact(name))
+
+
+@pytest.mark.parametrize("name", ["a", "b"])
+@pytest.mark.parametrize("group", ["pitch", "roll_yaw"])
+def test_definitions_of_the_certificates_are_the_plant(name, group):
+    # Identity: formulas over the tables, written out by hand, against the plant built block by block.
+    case = Tables()
+    satellite = Satellite(
+        tuple(case.number(f"inertia_{name}_{axis}") for axis in "xyz"),
+        case.number("orbital_rate"),
+        case.number("inertia_change"),
+        tuple(case.number(f"{what}_weight") for what in ("angle", "rate", "control")),
+    )
+    plant, found = generalized_plant(satellite, group), formulas.evaluated(formulas.PLANTS[group](name), [], case)
+    for matrix in ("A", "B1", "B2", "C1", "D11", "D12", "C2", "D22"):
+        assert found[matrix] == pytest.approx(getattr(plant, matrix), rel=1e-13, abs=1e-18), matrix
+
+
+@pytest.mark.parametrize("group", ["pitch", "roll_yaw"])
+def test_vertices_contain_every_changed_loop(group):
+    # Law: a matrix in the convex hull of the vertices has every linear functional below the largest at a vertex.
+    case, generator = Tables(), np.random.default_rng(3)
+    size = 1 if group == "pitch" else 2
+    K = generator.standard_normal((size, 2 * size))
+    gain = "[" + ", ".join("[" + ", ".join(repr(x) for x in row) + "]" for row in K.tolist()) + "]"
+    texts = formulas.vertices(group)
+    definitions = {**formulas.inputs("b"), "K": gain}
+    values = formulas.evaluated(definitions, [(f"v{i}", text) for i, text in enumerate(texts)], case)
+    corners = np.array([values[f"v{i}"].ravel() for i in range(len(texts))])
+    satellite = Satellite(tuple(case.number(f"inertia_b_{axis}") for axis in "xyz"), case.number("orbital_rate"))
+    plant = generalized_plant(satellite, group)
+    for _ in range(200):
+        A, B = plant.uncertain(generator.uniform(-1, 1, 3))
+        direction = generator.standard_normal(A.size)
+        assert direction @ (A - B @ K).ravel() <= (corners @ direction).max() + 1e-12
+
+
+def test_claims_name_declared_quantities():
+    declared = {row["id"] for row in rows(FOLDER / "quantities.csv")}
+    assert len(declared) == len(rows(FOLDER / "quantities.csv"))
+    for claim in rows(FOLDER / "claims.csv"):
+        if claim["comparator"] not in ("", "all_of"):
+            assert claim["quantity"] in declared, claim["id"]
