@@ -129,7 +129,8 @@ def rightmost_roots(system: DelaySystem, delay: float, count: int = 6) -> np.nda
     Returns
     -------
     ndarray, shape (count,), complex
-        By decreasing real part, 1/s; fewer at zero delay if the system has fewer.
+        By decreasing real part, 1/s; fewer where the system has fewer, or where the others lie so far left that a
+        short delay leaves them beyond what the collocation resolves.
 
     Raises
     ------
@@ -140,22 +141,41 @@ def rightmost_roots(system: DelaySystem, delay: float, count: int = 6) -> np.nda
     """
     _check_delay(delay)
     if delay == 0:
-        return _sorted(np.linalg.eigvals(system.A + system.A1))[:count]
+        return _mirrored(_upper(np.linalg.eigvals(system.A + system.A1)), count)
     before, attempts = None, []
     for nodes in _NODES:
-        candidates = _sorted(np.linalg.eigvals(discretised(system, delay, nodes)[0]))[:count]
+        candidates = _upper(np.linalg.eigvals(_finite(system, delay, nodes)[0]))[:count]
+        # Collocation of degree N follows exp(s t) over the delay while |s| d is well below N.
+        candidates = candidates[np.abs(candidates) * delay < nodes / 2]
         roots = [_polish(system, delay, s) for s in candidates]
         if all(s is not None and abs(s - c) < 1e-2 * (1 + abs(c)) for s, c in zip(roots, candidates, strict=True)):
-            now = _sorted(np.array(roots))
-            if before is not None and _same(before, now):
-                return now
+            now = _upper(np.array(roots))
+            settled = before is not None and len(before) > 0 and _same(before, now[: len(before)])
+            if settled and (len(before) == count or nodes == _NODES[-1]):
+                return _mirrored(before, count)
             before = now
         attempts.append({"nodes": nodes, "candidates": [str(s) for s in candidates]})
     raise ComputationError("rightmost roots", f"collocation does not settle at delay {delay:.6g} s", attempts)
 
 
-def _sorted(roots: np.ndarray) -> np.ndarray:
-    return roots[np.lexsort((-roots.imag, np.round(-roots.real, 9)))]
+def _finite(system: DelaySystem, delay: float, nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Collocated system; the undelayed one where the delay is far below every time constant of the loop."""
+    if delay * (np.linalg.norm(system.A, 2) + np.linalg.norm(system.A1, 2)) < 1e-12:
+        return system.A + system.A1, system.B, system.C
+    return discretised(system, delay, nodes)
+
+
+def _upper(roots: np.ndarray) -> np.ndarray:
+    """One of each conjugate pair, by decreasing real part."""
+    kept = roots[roots.imag >= -1e-12 * (1 + np.abs(roots))]
+    kept = np.where(np.abs(kept.imag) <= 1e-12 * (1 + np.abs(kept)), kept.real + 0j, kept)
+    return kept[np.lexsort((kept.imag, -kept.real))]
+
+
+def _mirrored(upper: np.ndarray, count: int) -> np.ndarray:
+    """Both of each conjugate pair, the one above the axis first."""
+    pairs = [[s] if s.imag == 0 else [s, s.conjugate()] for s in upper]
+    return np.array([s for pair in pairs for s in pair][:count])
 
 
 def _same(a: np.ndarray, b: np.ndarray) -> bool:
@@ -226,7 +246,7 @@ def hinf_norm(system: DelaySystem, delay: float, nodes: int = 24) -> Peak:
         raise InputError("a norm needs inputs and outputs", field="B, C", value=(system.B.shape, system.C.shape))
     if (abscissa := spectral_abscissa(system, delay)) >= 0:
         raise InputError("unstable loop", field="spectral abscissa", value=abscissa, expected="below 0")
-    A, B, C = (system.A + system.A1, system.B, system.C) if delay == 0 else discretised(system, delay, nodes)
+    A, B, C = _finite(system, delay, nodes)
     starts = [0.0, *np.abs(rightmost_roots(system, delay, count=system.order).imag)]
     best = max((Peak(_gain(system, delay, w), w) for w in starts), key=lambda p: p.value)
     best = max(best, Peak(float(np.linalg.norm(system.D, 2)), float("inf")), key=lambda p: p.value)

@@ -1,0 +1,221 @@
+"""What the tables and formulas of zhang2013 print, against a second reading of the paper made apart from them."""
+
+import csv
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gainsay.tables import Case, read_case
+from papers.zhang2013 import formulas, theorem1, theorem2
+from papers.zhang2013.plant import Spacecraft
+
+ROOT = Path(__file__).resolve().parents[2]
+SECOND = Path(__file__).with_name("zhang2013_second_reading")
+SHAPES = {
+    **dict.fromkeys(("P11", "Q11", "Q21", "R1", "P21"), (2, 2)),
+    **dict.fromkeys(("P12", "Q12", "Q22", "R2", "P22"), (1, 1)),
+}
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    return read_case(ROOT, "zhang2013")
+
+
+def second_reading(name: str) -> list[list[str]]:
+    with (SECOND / f"{name}.csv").open(newline="") as file:
+        return list(csv.reader(file))
+
+
+@pytest.mark.parametrize("name", ["K", "L", "F", "C1"])
+def test_two_readings_of_a_printed_matrix_agree_digit_for_digit(case, name):
+    assert [[entry.text for entry in row] for row in case.printed(name).rows] == second_reading(name)
+
+
+def test_two_readings_of_the_numbers_agree_digit_for_digit(case):
+    for name, text in second_reading("example"):
+        assert case.parameters[name].value == text, name
+
+
+SYMBOL = re.compile(
+    r"\\frac\{(?P<up>\d)\}\{d_M\}|\((?P<bracket>[^()]*)\)|(?P<number>\d+)|\\(?P<greek>lambda_\d|mu|gamma\^2)|"
+    r"(?P<delay>d_M)|\\(?P<accent>hat|bar)\{(?P<accented>\\?[A-Za-z]+)\}(?:_(?P<below>\{\w+\}|\w))?|"
+    r"\\(?P<capital>Pi|Omega)_(?P<index>\{\w+\}|\w)|(?P<letter>[A-Z])(?:_(?P<sub>\{\w+\}|\w))?"
+)
+
+
+def latex(text: str, names: dict) -> np.ndarray | float:
+    """Value of a sum of products as the paper writes it, juxtaposition being the product."""
+    total, term, sign, position = 0.0, None, 1.0, 0
+    text = text.strip()
+    while position < len(text):
+        if text[position] in "+- ":
+            if text[position] in "+-":
+                total, term = total + (0.0 if term is None else sign * term), None
+                sign = 1.0 if text[position] == "+" else -1.0
+            position += 1
+            continue
+        found = SYMBOL.match(text, position)
+        assert found, text[position:]
+        position = found.end()
+        transposed = text[position:].startswith(r"^{\top}")
+        position += len(r"^{\top}") * transposed
+        value = factor(found, names)
+        value = value.T if transposed else value
+        if term is None:
+            term = value
+        else:
+            scalar = np.ndim(term) == 0 or np.ndim(value) == 0
+            term = term * value if scalar else term @ value
+    return total + sign * term
+
+
+def factor(found: re.Match, names: dict) -> np.ndarray | float:
+    """Value of one factor; hats and bars of the paper are dropped from names except for Pi and Omega."""
+    if found["up"]:
+        return float(found["up"]) / names["d_M"]
+    if found["bracket"]:
+        return latex(found["bracket"], names)
+    if found["number"]:
+        return float(found["number"])
+    if found["greek"]:
+        return names[found["greek"]]
+    if found["delay"]:
+        return names["d_M"]
+    if found["capital"]:
+        return names[f"{found['capital']}_{found['index'].strip('{}')}"]
+    if found["accent"]:
+        below = (found["below"] or "").strip("{}")
+        if found["accented"].startswith("\\"):
+            return names[f"hat{found['accented'][1:]}_{below}"]
+        return names[("bar" if found["accent"] == "bar" else "") + found["accented"] + below]
+    return names[found["letter"] + (found["sub"] or "").strip("{}")]
+
+
+def define(table: str, names: dict) -> dict:
+    for name, text in second_reading(table):
+        found = SYMBOL.match(name)
+        key = f"hat{found['accented'][1:]}_" if found["accent"] else f"{found['capital']}_"
+        names[key + (found["below"] or found["index"]).strip("{}")] = latex(text, names)
+    return names
+
+
+def assembled(cells: list[list[str]], names: dict, sizes: list[int]) -> np.ndarray:
+    """Matrix from its upper triangle of LaTeX cells."""
+    ends = np.cumsum([0, *sizes])
+    whole = np.zeros((ends[-1], ends[-1]))
+    for i, row in enumerate(cells):
+        for j, text in enumerate(row):
+            if text in ("*", "0"):
+                assert (text == "*") == (j < i)
+                continue
+            block = latex(text, names)
+            block = np.eye(sizes[i]) * block if np.ndim(block) == 0 else block
+            if block.shape == (1, 1) and sizes[i] == sizes[j] > 1:
+                block = block * np.eye(sizes[i])
+            whole[ends[i] : ends[i + 1], ends[j] : ends[j + 1]] = block
+            whole[ends[j] : ends[j + 1], ends[i] : ends[i + 1]] = block.T
+    return whole
+
+
+@pytest.fixture(scope="module")
+def setting(case):
+    changes = {"gamma": 1.7, "d_M": 0.4, "mu": 0.3, "lambda1": 0.6, "lambda2": 0.8}
+    return theorem2.Setting.of(Spacecraft.of(case), case, **changes)
+
+
+def random_values(seed: int = 3) -> dict:
+    rng = np.random.default_rng(seed)
+    values = {}
+    for name, shape in (*SHAPES.items(), *theorem2.FREE.items(), ("K", (1, 2)), ("L", (1, 2))):
+        value = rng.normal(size=shape)
+        values[name] = value + value.T if name in theorem2.SYMMETRIC else value
+    return values
+
+
+def names_of(setting, values: dict) -> dict:
+    names = {**values, "A": setting.A, "B": setting.B, "I": np.eye(1), "d_M": setting.d_M, "mu": setting.mu}
+    names |= {"lambda_1": setting.lambda1, "lambda_2": setting.lambda2, "gamma^2": setting.gamma**2}
+    return names | {"C1": setting.C1, "C2": setting.C2, "Cd1": setting.Cd1, "Cd2": setting.Cd2}
+
+
+SIZES = [formulas.size_of(row) for row in theorem2.ROWS]
+
+
+@pytest.mark.parametrize("part", ["a", "b"])
+def test_printed_theorem_2_is_what_the_second_reading_spells(setting, part):
+    values = random_values()
+    names = names_of(setting, values)
+    names["P21"] = values["X"]  # the hat of P21 is the unknown X
+    expected = assembled(second_reading(f"eq23{part}"), define("pi23", names), SIZES)
+    found = theorem2.printed(setting, theorem2.Unknowns(), part).value(values)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_printed_26_is_what_the_second_reading_spells(case, setting):
+    values = random_values()
+    # Pi_221 prints R1, which does not fit; R2 is read there, as formulas.printed26 says
+    names = names_of(setting, values)
+    for name, text in second_reading("pi26"):
+        if "221" in name or "222" in name:
+            text = text.replace("R_1", "R_2")
+        names["Pi_" + name[name.index("{") :].strip("{}")] = latex(text, names)
+    # Pi44, Pi66, Pi881 are those of (23), which have the same letters
+    names |= {
+        key: value
+        for key, value in define("pi23", {**names, "P21": values["X"]}).items()
+        if key in ("hatPi_44", "hatPi_66", "hatPi_881")
+    }
+    expected = assembled(second_reading("eq26a"), names, SIZES)
+    found = evaluate(formulas.joined(formulas.printed26("a", "g"), formulas.ROWS), setting, values)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def evaluate(text: str, setting, values: dict) -> np.ndarray:
+    """Value of a certificate's formula at floats, by the checker's own evaluator."""
+    from fractions import Fraction
+
+    from gainsay.exact.matrix import Matrix
+    from gainsay.exact.rational import rational_matrix
+    from gainsay.proof import formulas as language
+
+    exact = {name: np.atleast_2d(value) for name, value in values.items()}
+    exact |= {"A": setting.A, "B": setting.B, "C1": setting.C1, "C2": setting.C2, "Cd1": setting.Cd1}
+    exact |= {"Cd2": setting.Cd2, "d_M": [[setting.d_M]], "mu": [[setting.mu]], "g": [[setting.gamma**2]]}
+    exact |= {"l1": [[setting.lambda1]], "l2": [[setting.lambda2]]}
+    matrices = {
+        name: Matrix(rational_matrix([[Fraction(float(x)) for x in row] for row in np.asarray(value).tolist()]))
+        for name, value in exact.items()
+    }
+    value = language.evaluate(text, matrices, None)
+    return np.array([[int(x.p) / int(x.q) for x in row] for row in value.rows()])
+
+
+@pytest.mark.parametrize("part", ["a", "b"])
+@pytest.mark.parametrize("edition", ["printed", "corrected"])
+def test_formulas_of_certificates_are_the_block_matrices_that_are_solved(setting, edition, part):
+    values = random_values(5)
+    form = {"printed": formulas.printed23, "corrected": formulas.corrected23}[edition]
+    found = evaluate(formulas.joined(form(part, "g"), formulas.ROWS), setting, values)
+    expected = theorem2.EDITIONS[edition](setting, theorem2.Unknowns(), part).value(values)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("part", ["a", "b"])
+def test_theorem_1_is_what_the_second_reading_spells(part):
+    rng = np.random.default_rng(7)
+    unknowns = {}
+    for name in ("P1", "P2", "P3", "Q1", "Q2", "R"):
+        value = rng.normal(size=(3, 3))
+        unknowns[name] = value if name in ("P2", "P3") else value + value.T
+    shapes = {"barA": (3, 3), "barA_d": (3, 3), "barB": (3, 2), "C": (1, 3), "Cd": (1, 2)}
+    data = {name: rng.normal(size=shape) for name, shape in shapes.items()}
+    names = {**unknowns, **data, "I": np.eye(1), "d_M": 0.4, "mu": 0.3, "gamma^2": 2.89}
+    names["barAd"] = names["barA_d"]
+    cells = second_reading(f"eq9{part}")
+    expected = assembled(cells, define("omega", names), [3, 3, 3, 3, 2, 1])
+    loop = theorem1.Delayed(data["barA"], data["barA_d"], data["barB"], data["C"], data["Cd"], 0.4, 0.3)
+    found = theorem1.theorem1(loop, theorem1.Functional(3), 2.89, part).value(unknowns)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
