@@ -15,6 +15,8 @@ rule differences:
         "results/differences.csv",
     params:
         papers=PAPERS,
+    message:
+        "differences from the record"
     shell:
         "python -m gainsay.steps.check {params.papers}"
 
@@ -26,5 +28,7 @@ rule check:
         touch("results/.checked"),
     params:
         papers=PAPERS,
+    message:
+        "check"
     shell:
         "gainsay check {params.papers}"

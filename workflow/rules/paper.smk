@@ -13,6 +13,8 @@ for paper in PAPERS:
             parts(paper, "synthesis"),
         params:
             paper=paper,
+        message:
+            f"{paper}: LMIs, certificates, designs"
         shell:
             "python -m gainsay.steps.synthesis {params.paper}"
 
@@ -27,6 +29,8 @@ for paper in PAPERS:
             parts(paper, "audit"),
         params:
             paper=paper,
+        message:
+            f"{paper}: printed gains"
         shell:
             "python -m gainsay.steps.audit {params.paper}"
 
@@ -44,6 +48,8 @@ for paper in PAPERS:
             parts(paper, "simulation"),
         params:
             paper=paper,
+        message:
+            f"{paper}: runs and logs"
         shell:
             "python -m gainsay.steps.simulation {params.paper}"
 
@@ -58,6 +64,8 @@ for paper in PAPERS:
             parts(paper, "figures"),
         params:
             paper=paper,
+        message:
+            f"{paper}: figures from the logs"
         shell:
             "python -m gainsay.steps.figures {params.paper}"
 
@@ -72,6 +80,8 @@ for paper in PAPERS:
             parts(paper, "views"),
         params:
             paper=paper,
+        message:
+            f"{paper}: viewer files"
         shell:
             "python -m gainsay.steps.views {params.paper}"
 
@@ -94,5 +104,7 @@ for paper in PAPERS:
             f"results/{paper}/verdicts.csv",
         params:
             paper=paper,
+        message:
+            f"{paper}: verdicts"
         shell:
             "python -m gainsay.steps.verdicts {params.paper}"

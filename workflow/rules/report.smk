@@ -18,5 +18,7 @@ rule report:
         [f"results/{paper}/index.html" for paper in PAPERS],
     params:
         papers=PAPERS,
+    message:
+        "pages over all papers"
     shell:
         "python -m gainsay.steps.report {params.papers}"
