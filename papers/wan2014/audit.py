@@ -155,7 +155,7 @@ def observer_poles(case: Case, results: Results) -> None:
                 paper=case.name,
                 tables=case,
                 claims=("eq40-poles",),
-                statement=f"{row[0].text} + j{row[1].text} is no eigenvalue of A - LC for any L, n that round as printed.",
+                statement=f"{row[0].text} + j{row[1].text} is no pole of A - LC for any L, n that round as printed.",
                 definitions=(("n", "interval(0.001125, 0.001135)"), ("A", A_FORMULA), ("L", "box('L')")),
                 fields={"matrix": "A - L @ printed('C')", "real": row[0].text, "imaginary": row[1].text},
                 quantities={"eigenvalue": "eq40.poles_placed"},

@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
-from gainsay.dynamics import attitude
-from gainsay.errors import InputError
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
+
+from gainsay.dynamics import attitude
+from gainsay.errors import InputError
 
 angles_ = st.tuples(st.floats(-1.2, 1.2), st.floats(-1.2, 1.2), st.floats(-3, 3))
 INERTIA = (25.0, 24.0, 20.0)

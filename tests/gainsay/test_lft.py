@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
-from gainsay.errors import ComputationError, InputError
-from gainsay.systems.lft import Lft
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from gainsay.errors import ComputationError, InputError
+from gainsay.systems.lft import Lft
 
 
 def random_lft(generator, q, r, p, m, size=0.3):

@@ -1,6 +1,9 @@
 import control
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from gainsay.errors import InputError
 from gainsay.systems.norms import (
     bounded_real_certificate_matrix,
@@ -10,8 +13,6 @@ from gainsay.systems.norms import (
     is_definite,
 )
 from gainsay.systems.statespace import StateSpace, spectral_abscissa
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 
 def random_system(seed, states=4, inputs=2, outputs=3, feedthrough=True):

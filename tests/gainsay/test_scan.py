@@ -2,10 +2,11 @@ import json
 import math
 
 import pytest
-from gainsay.errors import ComputationError, InputError
-from gainsay.verdicts.scan import Plausible, fractions, sample, scan
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from gainsay.errors import ComputationError, InputError
+from gainsay.verdicts.scan import Plausible, fractions, sample, scan
 
 X = Plausible("x", "m", 0.0, 10.0)
 Y = Plausible("y", "1", 0.01, 100.0, logarithmic=True)

@@ -111,8 +111,8 @@ def differential_gravity(
 
     Notes
     -----
-    With q = (d . (d + 2 r)) / r^2 and f(q) = (1 + q)^(3/2) - 1 = q (3 + 3 q + q^2) / (1 + (1 + q)^(3/2)) the difference is
-    -mu / (r^3 (1 + f)) (d + f-free part): -mu/rc^3 d - mu (1/rc^3 - 1/r^3) r.
+    With q = d . (d + 2 r) / r^2 and f = (1 + q)^(3/2) - 1 = q (3 + 3 q + q^2) / (1 + (1 + q)^(3/2)) the difference is
+    -mu / (r^3 (1 + f)) (d - f r).
     """
     q = (x * (x + 2 * radius) + y * y + z * z) / radius**2
     cube = (1 + q) * math.sqrt(1 + q)

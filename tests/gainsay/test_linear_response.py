@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from gainsay.errors import InputError
+from gainsay.simulation.linear import Response, with_harmonics
+
+
+@given(st.floats(0.05, 0.9), st.floats(0.2, 3.0), st.integers(40, 400))
+@settings(max_examples=30, deadline=None)
+def test_peaks_of_an_oscillator_have_their_closed_form(damping, w, steps):
+    A = np.array([[0, 1], [-(w**2), -2 * damping * w]])
+    response = Response(A, np.array([0.0, 1.0]), 20 / w, steps)
+    # Closed form: x = e^(-d w t) sin(v t)/v peaks at v t = acos d, at e^(-d acos(d)/sqrt(1 - d^2))/w.
+    v = np.sqrt(1 - damping**2)
+    peak = response.peak(np.array([1.0, 0.0]))
+    assert peak.value == pytest.approx(np.exp(-damping * np.arccos(damping) / v) / w, rel=1e-10)
+    assert peak.time == pytest.approx(np.arccos(damping) / (v * w), rel=1e-6)
+
+
+def test_settling_of_a_first_order_lag():
+    # Closed form: e^(-t/3) falls below 0.02 at 3 ln 50.
+    response = Response(np.array([[-1 / 3]]), np.array([1.0]), 30.0, 50)
+    assert response.last_above(np.array([1.0]), 0.02) == pytest.approx(3 * np.log(50), rel=1e-9)
+    assert response.last_above(np.array([1.0]), 1e-9) == 30.0
+    assert response.last_above(np.array([1.0]), 2.0) == 0.0
+
+
+def test_harmonics_agree_with_an_integrator():
+    A, shape = np.array([[0, 1], [-0.5, -0.4]]), np.array([0.0, 0.7])
+    rates = (0.3, 0.6)
+    whole, extra = with_harmonics(A, shape, rates, 0.2, constant=0.1)
+    response = Response(whole, np.concatenate([[1.0, 0.0], extra]), 25.0, 77)
+
+    def slope(t, x):
+        return A @ x + shape * (0.2 * sum(np.sin(r * t) for r in rates) + 0.1)
+
+    # Independent method: an adaptive integrator at 1e-11.
+    other = solve_ivp(slope, (0, 25), [1.0, 0.0], rtol=1e-11, atol=1e-13, t_eval=response.time).y.T
+    assert response.states[:, :2] == pytest.approx(other, abs=1e-9)
+    assert response.at(13.37)[:2] == pytest.approx(
+        solve_ivp(slope, (0, 13.37), [1.0, 0.0], rtol=1e-11, atol=1e-13).y[:, -1], abs=1e-9
+    )
+
+
+def test_bad_starts_are_refused():
+    with pytest.raises(InputError, match=r"start .*\(3,\)"):
+        Response(np.eye(3), np.ones(2), 1.0, 10)
+    with pytest.raises(InputError, match="positive end"):
+        Response(np.eye(3), np.ones(3), 0.0, 10)
