@@ -97,7 +97,8 @@ def test_a_task_that_breaks_leaves_a_record_and_the_others_run(project, capsys):
 @pytest.mark.parametrize(
     "error",
     [ValueError("x"), KeyError("x"), ZeroDivisionError(), MemoryError(), AssertionError("a,b\r\n\x00'\""),
-     InputError("matrix shape", value=(2, 3), expected="(3, 2)"), LogError("broken", file="logs/nominal.mcap")],
+     InputError("matrix shape", value=(2, 3), expected="(3, 2)"), LogError("broken", file="logs/nominal.mcap"),
+     InputError("file not found", file="results/toy/designs/repaired.json")],
 )  # fmt: skip
 def test_whatever_breaks_inside_a_task_is_a_failure(project, error):
     results = Results(project.case(), "audit")

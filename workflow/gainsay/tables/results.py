@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gainsay.errors import ComputationError, GainsayError, InputError, LogError
+from gainsay.errors import ComputationError, GainsayError, InputError
 from gainsay.tables.case import Case
 from gainsay.tables.files import read_csv, read_text, write_atomically, write_csv, write_json
 from gainsay.tables.reading import PrintedMatrix
@@ -78,6 +78,9 @@ class Results:
             self._listing().unlink()
         for part in PARTS:
             (self.case.results / "parts" / f"{self.step}.{part}.csv").unlink(missing_ok=True)
+
+    def _is_table(self, file: str | Path | None) -> bool:
+        return file is not None and str(file).replace(f"{self.case.root}/", "").startswith("papers/")
 
     def _discard(self) -> None:
         for file in self._written:
@@ -224,8 +227,8 @@ class Results:
         try:
             yield
         except Exception as error:  # whatever broke must not hide the paper's other results
-            # A table at fault is bad input; without a file it is a call of ours that went wrong, and a log is our own.
-            if isinstance(error, InputError) and error.file is not None and not isinstance(error, LogError):
+            # A table at fault is bad input; anything else, a log or another result of ours too, is a broken computation.
+            if isinstance(error, InputError) and self._is_table(error.file):
                 self._discard()
                 raise
             message = " ".join(str(error).replace(f"{self.case.root}/", "").split()) or type(error).__name__
