@@ -165,14 +165,19 @@ def observer_poles(case: Case, results: Results) -> None:
     results.quantity("eq40.poles_placed", int(not missed), method="regularity of s I - A + LC over the printed digits",
                      source="(40), (41)")  # fmt: skip
     results.certificate(
-        half_plane(case, "observer-stable", "A - printed('L') @ printed('C')", model.A - L @ C, "-0.4",
-                   "audit.observer_abscissa")
+        half_plane(
+            case, "observer-stable", ("A - LC", "A - printed('L') @ printed('C')"), model.A - L @ C, "-0.4",
+            "audit.observer_abscissa",
+        )
     )  # fmt: skip
     results.say("(40), (41)", f"poles of A - LC miss (40) by {error:.4f} 1/s; stable, abscissa {abscissa:.4f}")
 
 
-def half_plane(case: Case, claim: str, formula: str, matrix: np.ndarray, alpha: str, quantity: str) -> Certificate:
-    """Return a certificate that every eigenvalue of a matrix has a real part below alpha (decimal text)."""
+def half_plane(
+    case: Case, claim: str, named: tuple[str, str], matrix: np.ndarray, alpha: str, quantity: str
+) -> Certificate:
+    """Return a certificate that a matrix, by name and formula, has its spectrum left of alpha (decimal text)."""
+    name, formula = named
     shifted = matrix - float(alpha) * np.eye(len(matrix))
     return build.certificate(
         "lyapunov",
@@ -180,7 +185,7 @@ def half_plane(case: Case, claim: str, formula: str, matrix: np.ndarray, alpha: 
         paper=case.name,
         tables=case,
         claims=(claim,),
-        statement=f"Every eigenvalue of {formula} has a real part below {alpha}.",
+        statement=f"Every eigenvalue of {name}, with the printed gains, has a real part below {alpha} 1/s.",
         definitions=DEFINITIONS,
         fields={"matrix": formula, "alpha": alpha},
         witness={"P": solve_continuous_lyapunov(shifted.T, -np.eye(len(matrix)))},
@@ -196,7 +201,7 @@ def feedback_poles(case: Case, results: Results) -> None:
     abscissa = spectral_abscissa(closed)
     results.quantity("audit.feedback_abscissa", abscissa, method="eigenvalues of A - BK", source="(44)")
     results.certificate(
-        half_plane(case, "feedback-stable", "A - B @ printed('K')", closed, "0", "audit.feedback_abscissa")
+        half_plane(case, "feedback-stable", ("A - BK", "A - B @ printed('K')"), closed, "0", "audit.feedback_abscissa")
     )
 
 
