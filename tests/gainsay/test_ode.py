@@ -88,6 +88,20 @@ def test_the_largest_value_at_an_end_of_the_time():
     assert largest(rising, first)[1] == pytest.approx(3 * math.exp(2), rel=1e-10)
 
 
+@pytest.mark.parametrize("growth", [1e-5, 1e-4, 1e-3, -1e-4])
+@pytest.mark.parametrize("frequency", [0.7, 3.0, 11.3])
+def test_of_peaks_that_are_nearly_equal_the_largest_is_found(frequency, growth):
+    # exp(g t) cos(w t): peaks grow or shrink by a tiny part, less than sampling between steps can tell apart.
+    found = integrate(
+        lambda t, x: np.array([growth * x[0] - frequency * x[1], frequency * x[0] + growth * x[1]]),
+        np.array([math.cos(1.0), math.sin(1.0)]), 40.0,
+    )  # fmt: skip
+    offset = math.atan2(growth, frequency)
+    peaks = [t for k in range(-1, 200) if 0 <= (t := (2 * math.pi * k - 1.0 + offset) / frequency) <= 40]
+    values = [math.exp(growth * t) * math.cos(frequency * t + 1.0) for t in (*peaks, 0.0, 40.0)]
+    assert largest(found, first)[1] == pytest.approx(max(values), abs=1e-9)
+
+
 @given(st.floats(0.2, 20.0), st.floats(0.0, 6.28), st.floats(-0.3, 0.3))
 @settings(max_examples=25, deadline=None)
 def test_no_sample_is_above_the_largest_value(frequency, phase, growth):
@@ -136,3 +150,9 @@ def test_two_integrations_are_the_same_to_the_bit():
     one, two = (integrate(oscillator, np.array([0.3, 1.0]), 20.0, kinks=(lambda t, x: x[0] - 0.1,)) for _ in range(2))
     times = np.linspace(0, 20, 333)
     np.testing.assert_array_equal(one(times), two(times))
+
+
+def test_the_largest_value_of_a_constant_output_is_that_constant():
+    found = integrate(oscillator, np.array([0.0, 1.0]), 100.0)
+    assert largest(found, lambda t, x: np.full(len(t), 3.0))[1] == 3.0
+    assert largest(found, lambda t, x: np.minimum(x[:, 0], 0.5))[1] == 0.5

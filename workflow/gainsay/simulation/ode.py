@@ -18,6 +18,8 @@ from gainsay.errors import ComputationError
 Function = Callable[[float, np.ndarray], np.ndarray]
 _NUDGE = 1e-9
 _MAX_KINKS = 10_000
+#: part of an output's spread by which a sample may miss the peak beside it
+_CLOSE = 0.05
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ def largest(
     output : callable
         (times (N,), states (N, n)) -> (N,).
     refine : int
-        Points looked at in every step of the integrator before the best is polished on the dense output.
+        Points looked at in every step of the integrator before the best are polished on the dense output.
 
     Returns
     -------
@@ -131,14 +133,20 @@ def largest(
     values = output(grid, trajectory(grid))
     best = int(np.argmax(values))
     time, value = float(grid[best]), float(values[best])
-    low, high = float(grid[max(best - 1, 0)]), float(grid[min(best + 1, len(grid) - 1)])
 
     def negative(t: float) -> float:
         return -float(output(np.array([t]), trajectory(np.array([t])))[0])
 
-    polished = minimize_scalar(negative, bounds=(low, high), method="bounded", options={"xatol": 1e-10})
-    if -polished.fun > value:
-        time, value = float(polished.x), -float(polished.fun)
+    # A lower sample can lie beside a higher peak: every local maximum that comes close to the best is polished.
+    padded = np.concatenate([[-np.inf], values, [-np.inf]])
+    before, after = padded[:-2], padded[2:]
+    summits = (values >= before) & (values >= after) & ((values > before) | (values > after))  # no plateau
+    summits &= values >= value - _CLOSE * np.ptp(values)
+    for index in np.flatnonzero(summits):
+        low, high = float(grid[max(index - 1, 0)]), float(grid[min(index + 1, len(grid) - 1)])
+        polished = minimize_scalar(negative, bounds=(low, high), method="bounded", options={"xatol": 1e-10})
+        if -polished.fun > value:
+            time, value = float(polished.x), -float(polished.fun)
     return time, value
 
 
