@@ -109,7 +109,7 @@ def release(reconstructed: str, design: str):
                 states[:, [i, i + 3]] = whole[:, [i, i + 3]]
             _log(log, f"nonlinear_plant_{k + 1}", nominal.time, states, K)
         log.bound("wheel_torque", "N m", lower=-limit, upper=limit)
-        _scene(log, nominal.time, states, -nominal.states @ K.T)
+        _scene(log, nominal.time, nominal.states, -nominal.states @ K.T)
 
     return simulate
 
@@ -137,12 +137,12 @@ def disturbed(reconstructed: str, design: str):
         _log(log, "nonlinear", time[shown], whole, K)
         for instant, what in ((torque.start, "begins"), (torque.end, "ends")):
             log.event(instant, "step", f"the constant torque of (25) {what}")
-        _scene(log, time[shown], whole, -whole @ K.T, exaggerated=True)
+        _scene(log, time[shown], states[shown], -states[shown] @ K.T)
 
     return simulate
 
 
-def _scene(log: LogWriter, time, states, torque, exaggerated: bool = False) -> None:
+def _scene(log: LogWriter, time, states, torque) -> None:
     # Angles of fractions of a degree are invisible: they are drawn larger, and the text page says so.
     factor = 0.3 / max(np.abs(states[:, :3]).max(), 1e-12)
     keep = np.unique(np.linspace(0, len(time) - 1, 600).astype(int))
@@ -150,7 +150,7 @@ def _scene(log: LogWriter, time, states, torque, exaggerated: bool = False) -> N
     log.transform("lvlh", "body", time[keep], np.zeros((len(keep), 3)), rotation)
     log.body("satellite", "body", Body((0.6, 0.6, 0.6)))
     log.arrows("torque", "body", time[keep], torque[keep], 0.8 / max(np.abs(torque).max(), 1e-12), "thrust")
-    log.axes("lvlh", 1.2)
+    log.axes("lvlh", 1.1, labels=("velocity", "against orbit normal", "Earth"))
     log.axes("body", 0.8)
     log.summary("drawn_angle_factor", factor, "1")
 
@@ -260,9 +260,9 @@ Bears on: what Figures 6 to 14 say of gamma = 0.2, 2 and 100. Angles in the pict
 """
 
 _SCENE = Scene(
-    "Body axes against LVLH, angles drawn larger", "lvlh", elements=("satellite", "torque"), axes=("lvlh", "body")
-)
-
+    "Body axes against LVLH, angles drawn larger", "lvlh",
+    elements=("satellite", "torque"), axes=("lvlh", "body"), eye=(2.6, 2.0, 1.4),
+)  # fmt: skip
 _WHEEL = (Bound("wheel_torque", "wheel"),)
 
 LAYOUT = Layout("pinheiro2013", (
