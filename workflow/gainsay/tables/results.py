@@ -227,7 +227,7 @@ class Results:
         try:
             yield
         except Exception as error:  # whatever broke must not hide the paper's other results
-            # A table at fault is bad input; anything else, a log or another result too, is a broken computation of ours.
+            # A table at fault is bad input; anything else, even a file among the results, is a computation of ours that broke.
             if isinstance(error, InputError) and self._is_table(error.file):
                 self._discard()
                 raise
