@@ -187,27 +187,39 @@ def spectral_abscissa(system: DelaySystem, delay: float) -> float:
     return float(rightmost_roots(system, delay, count=2)[0].real)
 
 
-def unstable_root_count(system: DelaySystem, delay: float, points: int = 4000) -> int:
+def unstable_root_count(system: DelaySystem, delay: float) -> int:
     """Count the roots in the right half plane by the winding of the quasi-polynomial along a half disk.
 
     The radius bounds every root with Re s >= 0, for |s| <= |A| + |Bd Cd| there. Independent of any discretisation of
-    the delay; raises ComputationError where a step of the contour turns the value by more than a quarter.
+    the delay. The contour is refined until no step turns the value by more than an eighth.
+
+    Raises
+    ------
+    ComputationError
+        If refinement does not end: a root lies on the contour, that is on the imaginary axis.
     """
     _check_delay(delay)
     radius = 1.0 + np.linalg.norm(system.A, 2) + np.linalg.norm(system.A1, 2)
-    angles = np.linspace(-np.pi / 2, np.pi / 2, points)
-    # The axis is walked with steps refined towards zero, where light modes and slow roots lie.
-    axis = np.sinh(np.linspace(-1, 1, 20 * points) * np.arcsinh(radius * 1e3)) / 1e3
-    path = np.concatenate([radius * np.exp(1j * angles), 1j * axis[::-1]])
-    quasi = system.quasi_polynomial
-    values = np.array(
-        [np.polyval([float(c.p) / float(c.q) for c in reversed(p.coeffs())] or [0.0], path) for p in quasi.coefficients]
-    )
-    values = (values * np.exp(-np.outer(np.arange(len(values)), path) * delay)).sum(axis=0)
-    turns = np.angle(values[np.r_[1 : len(path), 0]] / values)
-    if np.max(np.abs(turns)) > np.pi / 2:
-        raise ComputationError("root count", f"contour too coarse with {points} points at delay {delay:.6g} s")
-    return round(float(turns.sum() / (2 * np.pi)))
+    polynomials = [
+        np.array([float(c.p) / float(c.q) for c in reversed(p.coeffs())] or [0.0])
+        for p in system.quasi_polynomial.coefficients
+    ]
+
+    def value(path: np.ndarray) -> np.ndarray:
+        return sum(np.polyval(p, path) * np.exp(-k * path * delay) for k, p in enumerate(polynomials))
+
+    arc = radius * np.exp(1j * np.linspace(-np.pi / 2, np.pi / 2, 4000))
+    path = np.concatenate([arc, 1j * np.linspace(radius, -radius, 20_000)])
+    values = value(path)
+    for _ in range(60):
+        turns = np.angle(values[1:] / values[:-1])
+        coarse = np.flatnonzero(np.abs(turns) > np.pi / 4)
+        if not coarse.size:
+            return round(float(turns.sum() / (2 * np.pi)))
+        middle = (path[coarse] + path[coarse + 1]) / 2
+        path = np.insert(path, coarse + 1, middle)
+        values = np.insert(values, coarse + 1, value(middle))
+    raise ComputationError("root count", f"a root on the imaginary axis at delay {delay:.6g} s")
 
 
 def _gain(system: DelaySystem, delay: float, frequency: float) -> float:
