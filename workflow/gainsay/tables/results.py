@@ -227,7 +227,7 @@ class Results:
         try:
             yield
         except Exception as error:  # whatever broke must not hide the paper's other results
-            # A table at fault is bad input; anything else, even a file among the results, is a computation of ours that broke.
+            # A table at fault is bad input; else, even where a result file is at fault, a computation of ours broke.
             if isinstance(error, InputError) and self._is_table(error.file):
                 self._discard()
                 raise
