@@ -13,6 +13,7 @@ _HOMES = {
     "Proof": "checker",
     "check": "checker",
     "check_file": "checker",
+    "read_certificate": "checker",
 }
 
 __all__ = sorted(_HOMES)

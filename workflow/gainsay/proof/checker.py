@@ -18,7 +18,7 @@ from gainsay.proof.certificate import ON_FAITH, Certificate, Conclusion
 from gainsay.proof.kinds import Proved
 from gainsay.proof.scope import CaseTables, Scope, adapted
 
-__all__ = ["CaseTables", "Proof", "check", "check_file", "prepare", "proved"]
+__all__ = ["CaseTables", "Proof", "check", "check_file", "prepare", "proved", "read_certificate"]
 
 
 @dataclass(frozen=True)
@@ -250,6 +250,25 @@ def _check(certificate: Certificate, tables: Any) -> Proof:
     )
 
 
+def read_certificate(path: Path) -> Certificate:
+    """Read a certificate from its file, unchecked.
+
+    Raises
+    ------
+    CertificateError
+        If it is malformed, or not the one that the file is named after.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise CertificateError(f"{path.name}: not readable as text") from error
+    certificate = Certificate.from_json(text, path.stem)
+    if certificate.id != path.stem:
+        raise CertificateError(f"{path.name}: holds the certificate {certificate.id!r}")
+    return certificate
+
+
 def check_file(path: Path, root: Path) -> Proof:
     """Check the certificate in a file against the tables of its paper under the project root.
 
@@ -262,12 +281,5 @@ def check_file(path: Path, root: Path) -> Proof:
     """
     from gainsay.tables import read_case
 
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise CertificateError(f"{path.name}: not readable as text") from error
-    certificate = Certificate.from_json(text, path.stem)
-    if certificate.id != path.stem:
-        raise CertificateError(f"{path.name}: holds the certificate {certificate.id!r}")
+    certificate = read_certificate(path)
     return check(certificate, read_case(Path(root), certificate.paper))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from gainsay.errors import CertificateError
-from gainsay.proof import check_file
+from gainsay.proof import check, read_certificate
 from gainsay.tables import Case
 from gainsay.tables.files import read_text
 from gainsay.tables.results import read_part
@@ -117,9 +117,10 @@ def read_evidence(case: Case) -> Evidence:
     listed = sorted({case.results / row["file"] for row in read_part(case, "files")})
     for path in (path for path in listed if path.parent.name == "certificates"):
         try:
-            proof = check_file(path, case.root)
-            if proof.paper != case.name:
-                raise CertificateError(f"{path.name}: about the paper {proof.paper!r}, expected {case.name!r}")
+            certificate = read_certificate(path)
+            if certificate.paper != case.name:
+                raise CertificateError(f"{path.name}: about the paper {certificate.paper!r}, expected {case.name!r}")
+            proof = check(certificate, case)
         except Exception as error:  # whatever a check stumbles over, it has not accepted the certificate
             evidence.refused[path.stem] = str(error) or type(error).__name__
             continue
