@@ -125,10 +125,13 @@ def view(options: argparse.Namespace) -> int:
 
 
 def gallery(options: argparse.Namespace) -> int:
-    """Render every run without a screen and check that no view is broken or empty."""
+    """Render every run without a screen, check that no view is broken or empty, and put the pictures onto the pages."""
     from gainsay.logs.commands import gallery as render_all
+    from gainsay.steps.report import main as write_pages
 
-    return render_all(options.root, options.papers)
+    code = render_all(options.root, options.papers)
+    write_pages([*paper_names(options.root), "--root", str(options.root)])
+    return code
 
 
 def replay(options: argparse.Namespace) -> int:
