@@ -285,6 +285,8 @@ QUESTIONS = (
              lambda v: v >= 0.15, "peak torque at gamma = 0.2 at least 0.15 N m, on some axis", RELEASE),
     Question("momentum-within-wheel", "scan.momentum", Study.peak_momentum, lambda v: v <= 4.0,
              "I times rate at the start at most 4 N m s, on every axis", MOMENTUM),
+    Question("small-angles", "scan.peak_angle", lambda s: float(max(np.max(s.peak_angle(level)) for level in LEVELS)),
+             lambda v: v <= 0.26, "peak angle of all three designs at most 0.26 rad (15 deg), on every axis", RELEASE),
     Question("fig12-14-hinf-attenuates-best", "scan.disturbed_ratio",
              lambda s: max(_ratio("disturbed_angle", "hinf", other)(s) for other in ("mixed", "h2")), ONE,
              "peak angle under (25) at gamma = 0.2 smaller than at gamma = 2 and 100, on every axis", TORQUES),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gainsay.errors import ComputationError
+from gainsay.errors import ComputationError, InputError
 from gainsay.lmi import Failed, Infeasible, Infimum, Solved, infimum, sweep
 from gainsay.proof import build
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
@@ -109,9 +109,29 @@ def limits(case, results):
         results.quantity(f"{prefix}.k2_over_inertia", second / moment, method=method, source="(21), (22)")
 
 
+def check_levels(case) -> None:
+    """Refuse levels of the table that no state feedback of a reconstruction reaches.
+
+    Raises
+    ------
+    InputError
+        Naming the row and gamma_min.
+    """
+    for name, group, plant in plants(case):
+        least = mixed.gamma_min(plant)
+        for parameter in LEVELS.values():
+            if not case.number(parameter) > least:
+                raise InputError(
+                    f"level that no state feedback of {group}, reconstruction {name.upper()}, reaches:",
+                    file=f"papers/{case.name}/parameters.csv", row=list(case.parameters).index(parameter) + 2,
+                    field=parameter, value=case.parameters[parameter].value, expected=f"above gamma_min = {least!r}",
+                )  # fmt: skip
+
+
 @task("(21), (22)")
 def designs(case, results):
     """Solve (21) with the sign corrected at the three levels and write the designs that are simulated."""
+    check_levels(case)
     for name in RECONSTRUCTIONS:
         satellite = reconstruction(case, name)
         for level, parameter in LEVELS.items():
@@ -215,6 +235,12 @@ def certified(case, results):
             statement=f"(21) with -gamma^2 I in block (3,3) has a solution at gamma = 2, {group}, reconstruction B.",
             fields={"constraints": constraints, "minimise": "trace(Q)"}, point=found.solved.values,
             quantities={"feasible": f"b.gamma_2.feasible.{group}", "objective": f"b.gamma_2.trace.{group}"},
+        ))  # fmt: skip
+        results.certificate(build.dual_bound(
+            id=f"eq21-least-trace-{group}", **shared, claims=(),
+            statement=f"No solution of (21) corrected at gamma = 2, {group}, B, has a smaller trace of Q than stated.",
+            fields={"constraints": constraints, "minimise": "trace(Q)"}, multipliers=found.multipliers,
+            quantities={"objective": f"b.gamma_2.trace.{group}"},
         ))  # fmt: skip
         results.quantity(f"b.gamma_2.feasible.{group}", 1, method="certified point", source="(21)")
         results.quantity(

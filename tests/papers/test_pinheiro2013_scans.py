@@ -1,0 +1,116 @@
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gainsay.errors import InputError
+from gainsay.proof import check
+from gainsay.tables import read_case
+from gainsay.tables.results import Results, run_tasks
+from papers.pinheiro2013 import audit, mixed, scans, synthesis
+from papers.pinheiro2013.plant import generalized_plant, reconstruction
+from papers.pinheiro2013.runs import RUNS
+
+FOLDER = Path(__file__).parents[2] / "papers" / "pinheiro2013"
+
+
+def project(root, **changed):
+    """A project that holds this paper's tables alone, with some values of parameters changed."""
+    folder = root / "papers" / "pinheiro2013"
+    folder.mkdir(parents=True)
+    (root / "Snakefile").touch()
+    for file in FOLDER.glob("*.csv"):
+        shutil.copy(file, folder)
+    shutil.copytree(FOLDER / "printed", folder / "printed")
+    lines = (folder / "parameters.csv").read_text(encoding="utf-8").splitlines()
+    for name, value in changed.items():
+        (place,) = (i for i, line in enumerate(lines) if line.startswith(f"{name},"))
+        cells = lines[place].split(",")
+        lines[place] = ",".join([*cells[:2], value, *cells[3:]])
+    (folder / "parameters.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    designs = [f"{r}_{d}" for r in "ab" for d in ("hinf", "mixed", "h2", "limit_pitch", "limit_roll_yaw")]
+    head = 'title = "t"\nauthors = ["a"]\njournal = "j"\nyear = 2013\ndoi = "10.1155/test"\n'
+    tables = {"designs": designs, "runs": [run.name for run in RUNS], "figures": []}
+    sections = (f"[{section}]\n" + "".join(f'{name} = "x"\n' for name in names) for section, names in tables.items())
+    (folder / "paper.toml").write_text(head + "".join(sections), encoding="utf-8")
+    return read_case(root, "pinheiro2013")
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory):
+    return project(tmp_path_factory.mktemp("pinheiro2013"))
+
+
+@pytest.fixture(scope="module")
+def study(case):
+    return scans.Study(case, {})
+
+
+def test_study_without_a_point_is_reconstruction_b(case, study):
+    satellite = reconstruction(case, "b")
+    assert study.satellite == satellite
+    for (level, group), K in study.gains.items():
+        # Another way to the same gain: the program in the units of the paper.
+        other = mixed.mixed_design(generalized_plant(satellite, group), study.gamma(level, group)).K
+        assert pytest.approx(other, rel=2e-3, abs=1e-4 * np.abs(other).max()) == K
+
+
+def test_momentum_by_hand(case, study):
+    # By hand: the largest moment of reconstruction B times 0.6 deg/s, and times 0.6 rad/s.
+    assert study.peak_momentum() == pytest.approx(25.3868 * 0.6 * np.pi / 180)
+    assert scans.Study(case, {"rate_unit": "rad/s"}).peak_momentum() == pytest.approx(25.3868 * 0.6)
+
+
+def test_torque_after_release_starts_at_the_rate_gain(study):
+    # Closed form: u(0) = -K x(0), and its modulus is the peak where the loop does not accelerate outwards.
+    assert study.peak_torque("mixed")[0] >= 0.6 * np.pi / 180 * study.gains["mixed", "pitch"][0, 1] * (1 - 1e-12)
+
+
+def test_unit_of_the_rates_scales_every_angle(case, study):
+    turned = scans.Study(case, {"rate_unit": "rad/s"}, study.gains)
+    assert turned.peak_angle("h2") == pytest.approx(study.peak_angle("h2") * 180 / np.pi, rel=1e-9)
+    assert turned.settling("h2") == pytest.approx(study.settling("h2"), rel=1e-6)
+
+
+def test_level_without_the_disturbance_forgets_the_moments(case):
+    # Closed form: without d the norm of D11 is p_i/I_i = 0.1 but for terms in n.
+    found = [
+        scans.Study(case, {"disturbance_in_w": "h2_only", "inertia_x": x, "inertia_y": x, "inertia_z": x}).gamma_min()
+        for x in (3.0, 30.0)
+    ]
+    assert found == pytest.approx([0.1, 0.1], rel=1e-4)
+
+
+def test_implausible_bodies_are_no_samples(case):
+    test = scans.rigid(case)
+    assert test({"inertia_x": 20, "inertia_y": 19, "inertia_z": 18})
+    assert not test({"inertia_x": 2, "inertia_y": 3, "inertia_z": 39})
+    # By hand: 10 + 11 > 20.9 as they are, but in plant 1 of list (i) 9 + 9.9 < 22.99.
+    assert not test({"inertia_x": 10, "inertia_y": 20.9, "inertia_z": 11})
+
+
+def test_every_question_has_its_claim_and_they_agree(case):
+    for question in scans.QUESTIONS:
+        claim = case.claims[question.claim]
+        assert claim.quantity == question.quantity
+        limit, factor = float(claim.published), {"at_most": 1, "at_least": -1}.get(claim.comparator)
+        if factor:
+            assert question.holds(limit * (1 - 1e-9 * factor))
+            assert not question.holds(limit * (1 + 1e-9 * factor))
+
+
+def test_level_below_the_least_is_refused_with_row_and_least(tmp_path):
+    case = project(tmp_path, gamma_min="0.1")
+    with pytest.raises(InputError, match=r"parameters\.csv:2: .*gamma_min '0\.1': expected above gamma_min = 0\.1"):
+        synthesis.check_levels(case)
+
+
+@pytest.mark.slow
+def test_synthesis_and_audit_leave_no_failure_and_every_certificate_is_accepted(case):
+    for step, tasks in (("synthesis", synthesis.TASKS), ("audit", audit.TASKS)):
+        results = Results(case, step, verify=lambda certificate: check(certificate, case))
+        run_tasks(results, tasks)
+        failures = (case.results / "parts" / f"{step}.failures.csv").read_text().splitlines()
+        assert len(failures) == 1, failures
+    assert len(list((case.results / "certificates").glob("*.json"))) > 40
