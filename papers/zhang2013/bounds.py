@@ -7,7 +7,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Infimum, Program, Variable, block_diagonal, infimum, matrix, scalar, symmetric
+from gainsay.lmi import Infimum, Program, Solved, Variable, block_diagonal, infimum, matrix, scalar, solve, symmetric
+from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.theorem1 import PARTS, Delayed, Functional, theorem1, without_slack
 
 Form = Callable[..., object]
@@ -132,3 +133,33 @@ def largest_delay(
     if abs(nearest) > _SPREAD:
         raise ComputationError("(9)", f"largest d_M near {root:.9g} s: its neighbours do not confirm it")
     return root * (1 + nearest), feasible, infeasible
+
+
+def point_at(loop: Delayed, gamma_squared: float) -> dict:
+    """Return a point of `without_slack` for a given gamma^2, with as much margin as the solver finds.
+
+    Raises
+    ------
+    ComputationError
+        If it finds none.
+    """
+    v = Functional(len(loop.A))
+    held = [without_slack(loop, v, gamma_squared, part) < 0 for part in PARTS]
+    for margin in (1e-4, 1e-6, 1e-8):
+        found = solve(Program(subject_to=[*held, *v.positive], label="(9)", margin=margin))
+        if isinstance(found, Solved):
+            return found.values
+    raise ComputationError("(9)", f"no point at gamma^2 = {gamma_squared:g}", found.attempts)
+
+
+def flexible_point(
+    craft: Spacecraft, K: np.ndarray, L: np.ndarray, mode: str, d_M: float, mu: float
+) -> tuple[dict, str]:
+    """Return a point of (9) for the flexible loop from w1 to w2 - w2hat, and the gamma^2 it is for, as text.
+
+    gamma is 1.2 times the least one, which leaves room for rounding the point.
+    """
+    loop = craft.flexible_loop(K, L, mode)
+    given = Delayed(loop.A, loop.A1, loop.B, loop.C[:1] - loop.C[1:], np.zeros((1, 1)), d_M, mu)
+    gamma_squared = f"{1.44 * least_gamma(given).value:.6g}"
+    return lifted(given, point_at(given, float(gamma_squared))), gamma_squared

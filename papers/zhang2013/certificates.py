@@ -216,15 +216,14 @@ def theorem1(
     point: Mapping,
     quantity: str,
     *,
-    plant: str = "design",
+    mode: str = "",
     claims=(),
     gamma_squared: str = GAMMA,
-    statement: str = "",
 ) -> Certificate:
-    """(9a), (9b) hold for given gains on the design model or on the flexible plant (mode "paper", no w2')."""
-    flexible = plant == "flexible"
-    size, inputs = (7, 1) if flexible else (3, 2)
-    definitions = [*(FLEXIBLE if flexible else PLANT), *(flexible_loop if flexible else gains)(K, L)]
+    """(9a), (9b) hold for given gains on the design model, or with a mode on the flexible plant (input w1 alone)."""
+    size, inputs = (7, 1) if mode else (3, 2)
+    definitions = [*FLEXIBLE, *flexible_loop(K, L, mode)] if mode else [*PLANT, *gains(K, L)]
+    where = f"flexible plant, {'K x' if mode == 'paper' else 'whole input'} delayed" if mode else "design model"
     sizes = {"z": size, "w": inputs, "y": 1}
     unknowns = {key: {**raw, "shape": [size, size]} for key, raw in UNKNOWNS9.items()}
     held = [[f"(9{part})", joined(nine(part, gamma_squared, size, inputs), NINE, sizes) + " < 0"] for part in "ab"] + [
@@ -237,7 +236,7 @@ def theorem1(
         claims=claims,
         definitions=definitions,
         unknowns=unknowns,
-        statement=statement or f"(9a) and (9b) hold for K = {K}, L = {L} on the {plant} model.",
+        statement=f"(9a) and (9b) hold for K = {K}, L = {L} on the {where}.",
         point={key: np.atleast_2d(point[key]) for key in unknowns},
         fields={"constraints": held},
         quantities={"feasible": quantity},

@@ -53,13 +53,17 @@ def gains(K: str, L: str) -> tuple[tuple[str, str], ...]:
     )
 
 
-def flexible_loop(K: str, L: str) -> tuple[tuple[str, str], ...]:
-    """Definitions of the flexible loop in mode "paper", state ending with w2hat, input w1, output w2 - w2hat."""
+def flexible_loop(K: str, L: str, mode: str = "paper") -> tuple[tuple[str, str], ...]:
+    """Definitions of the flexible loop, state ending with w2hat, input w1, output w2 - w2hat; `FLEXIBLE` comes before.
+
+    In mode "paper" K x alone is delayed, in mode "all" the whole input.
+    """
+    now, late = ("-B_f", "zeros(6, 1)") if mode == "paper" else ("zeros(6, 1)", "-B_f")
     return (
         ("K", K),
         ("LB", f"({L}) @ B"),
-        ("A_bar", "[[A_f, -B_f], [LB @ row(zeros(1, 2), V), -LB]]"),
-        ("A_d", "[[B_f @ row(K, zeros(1, 4)), zeros(6, 1)], [zeros(1, 6), 0]]"),
+        ("A_bar", f"[[A_f, {now}], [LB @ row(zeros(1, 2), V), -LB]]"),
+        ("A_d", f"[[B_f @ row(K, zeros(1, 4)), {late}], [zeros(1, 6), 0]]"),
         ("B_bar", "col(B_f, LB)"),
         ("C_z", "row(zeros(1, 2), V, -eye(1))"),
         ("C_d", "zeros(1, 1)"),
