@@ -166,14 +166,19 @@ def evaluated(plant: GeneralizedPlant, gamma: float, found: Solved) -> Design:
     return Design(gamma, K, bound, h2, hinf, found.attempts)
 
 
+def h2_gain(plant: GeneralizedPlant) -> tuple[np.ndarray, np.ndarray]:
+    """Gain of the H2 limit, gamma to infinity, and the solution of its Riccati equation."""
+    R = plant.D22.T @ plant.D22
+    S = solve_continuous_are(plant.A, plant.B2, plant.C2.T @ plant.C2, R)
+    return np.linalg.solve(R, plant.B2.T @ S), S
+
+
 def h2_design(plant: GeneralizedPlant) -> Design:
-    """Solve the H2 limit, gamma to infinity, by its Riccati equation."""
-    S = solve_continuous_are(plant.A, plant.B2, plant.C2.T @ plant.C2, plant.D22.T @ plant.D22)
-    K = np.linalg.solve(plant.D22.T @ plant.D22, plant.B2.T @ S)
+    """Solve the H2 limit by its Riccati equation and recompute both norms from the gain."""
+    K, S = h2_gain(plant)
     A, B, C, D, C2 = plant.closed(K)
-    return Design(
-        None, K, float(np.sqrt(np.trace(plant.B1.T @ S @ plant.B1))), h2_norm(A, B, C2), hinf_norm(A, B, C, D)[0]
-    )
+    bound = float(np.sqrt(np.trace(plant.B1.T @ S @ plant.B1)))
+    return Design(None, K, bound, h2_norm(A, B, C2), hinf_norm(A, B, C, D)[0])
 
 
 def pitch_h2_closed_form(plant: GeneralizedPlant, moment: float) -> tuple[np.ndarray, float]:
@@ -247,16 +252,16 @@ def mixed_by_descent(plant: GeneralizedPlant, gamma: float, start: np.ndarray) -
 
 
 def starting_gain(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray, np.ndarray]:
-    """Gain that reaches a level, as close to the H2 limit as twelve trials find, and its least covariance.
+    """Gain that reaches a level, as close to the H2 limit as seven trials find, and its least covariance.
 
     On the segment from the H2 gain to `limit_gain`, whose far end reaches every level above gamma_min.
     """
-    first, last = h2_design(plant).K, limit_gain(plant)
+    first, last = h2_gain(plant)[0], limit_gain(plant)
     try:
         return first, least_covariance(plant, first, gamma)
     except ComputationError:
         low, high, found = 0.0, 1.0, None
-    for _ in range(12):
+    for _ in range(7):
         middle = 0.5 * (low + high)
         K = first + middle * (last - first)
         try:
