@@ -258,3 +258,13 @@ def test_a_known_example_of_the_hierarchy():
     # Table 1 there: 4.472 for degree 0 (Jensen), 6.059 for degree 1
     assert bessel_legendre_delay(system.A, system.A1, 0, 1.0, 6.3) == pytest.approx(4.472, abs=1e-3)
     assert bessel_legendre_delay(system.A, system.A1, 1, 1.0, 6.3) == pytest.approx(6.059, abs=1e-3)
+
+
+def test_bounds_do_not_depend_on_the_coordinates():
+    # the same servo with its rate in another unit: a congruence of every block
+    system = servo(1.0, 1.0)
+    exact = system.quasi_polynomial.margin().delay
+    T = np.diag([1.0, 3.0])
+    moved = [np.linalg.solve(T, M @ T) for M in (system.A, system.A1)]
+    one, two = (bessel_legendre_delay(A, Ad, 0, 0.5 * exact, 1.01 * exact) for A, Ad in ((system.A, system.A1), moved))
+    assert one == pytest.approx(two, rel=1e-6)

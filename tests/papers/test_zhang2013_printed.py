@@ -39,6 +39,35 @@ def test_two_readings_of_the_numbers_agree_digit_for_digit(case):
         assert case.parameters[name].value == text, name
 
 
+def test_every_numbered_item_of_the_paper_stands_in_a_table(case):
+    places = [row.where for row in (*case.claims.values(), *case.errata.values(), *case.not_checked)]
+    found = {int(number) for place in places for number in re.findall(r"\((\d+)[ab]?\)", place)}
+    assert found >= set(range(1, 27))  # the last numbered equation is (26)
+    for item in (
+        "Theorem 1",
+        "Theorem 2",
+        "Lemma 1",
+        "Figure 1",
+        "Figure 2",
+        "Figure 3",
+        "Numerical example",
+        "Abstract",
+    ):
+        assert any(item in place for place in places), item
+
+
+def test_every_claim_and_erratum_has_its_own_witness(case):
+    # a witness is a quantity that is declared, or a certificate that synthesis or audit makes
+    made = {path.stem for path in (ROOT / "papers" / "zhang2013").glob("*.py")}
+    sources = "".join((ROOT / "papers" / "zhang2013" / f"{name}.py").read_text() for name in made)
+    for erratum in case.errata.values():
+        for witness in erratum.witness.split():
+            block = re.fullmatch(r"eq23-block-\d-\d", witness)
+            sign = re.fullmatch(r"lambda1-sign-(printed|corrected)", witness)
+            equation = re.fullmatch(r"eq(17|18|19|22)", witness)
+            assert witness in case.quantities or block or sign or equation or f'"{witness}"' in sources, witness
+
+
 SYMBOL = re.compile(
     r"\\frac\{(?P<up>\d)\}\{d_M\}|\((?P<bracket>[^()]*)\)|(?P<number>\d+)|\\(?P<greek>lambda_\d|mu|gamma\^2)|"
     r"(?P<delay>d_M)|\\(?P<accent>hat|bar)\{(?P<accented>\\?[A-Za-z]+)\}(?:_(?P<below>\{\w+\}|\w))?|"
