@@ -111,6 +111,16 @@ def test_crossings_agree_with_the_matrix_pencil_method(seed):
     assert [round(w, 5) for w in found] == pytest.approx(crossings_by_kronecker(system), abs=2e-5)
 
 
+@given(st.integers(0, 10_000))
+@settings(deadline=None)
+def test_every_crossing_is_a_root_of_the_quasi_polynomial(seed):
+    quasi = random_system(seed).quasi_polynomial
+    for crossing in quasi.crossings():
+        w, d = float(crossing.frequency.mid()), float(crossing.delay.mid())
+        assert 0 < d < 2 * math.pi / w
+        assert abs(quasi(1j * w, d)) < 1e-9 * (1 + w) ** 3
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_stability_changes_exactly_at_the_margin(seed):
     system = random_system(seed)
