@@ -15,7 +15,7 @@ from scipy.linalg import solve_discrete_are
 from scipy.optimize import brentq, minimize, minimize_scalar
 
 from gainsay.errors import ComputationError
-from papers.li2021.robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop
+from papers.li2021.robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop, shared_scaling
 
 
 def scaled_norm(log_scale: np.ndarray, M: np.ndarray, power: float) -> tuple[float, np.ndarray]:
@@ -194,19 +194,32 @@ def _largest_on_circle(F: np.ndarray, G: np.ndarray, rest: np.ndarray, d: np.nda
 
 
 def cover(form: Loop, a: float, b: float, widest: float = 0.4, narrowest: float = 0.004) -> list[Arc]:
-    """Arcs from angle 0 to pi, each certified; raises ComputationError where an arc cannot be."""
-    arcs, angle, width, scale = [], 0.0, widest, None
+    """Arcs from angle 0 to pi, each certified; raises ComputationError where an arc cannot be.
+
+    Where there is room a scaling nearer to the one that serves the whole circle is taken: what is best at one point
+    can be bad far from it, and then P is hard to find.
+    """
+    circle = np.array([form.response(-a + b * np.exp(1j * t)) for t in np.linspace(0, np.pi, 41)])
+    common = shared_scaling(circle)[1]
+    arcs, angle, width, local = [], 0.0, widest, None
     while angle < np.pi:
         stop = min(angle + width, np.pi)
         ends = (node(angle), node(stop))
-        middle = form.response(-a + b * np.exp(0.5j * (angle + stop)))
-        value, scale_here = best_scaling(middle, scale)
-        arc = certify(form, a, b, ends, scale_here) if value < 1 else None
+        inside = [form.response(-a + b * np.exp(1j * t)) for t in (angle, (angle + stop) / 2, stop)]
+        value, local_here = best_scaling(inside[1], local)
+        arc = None
+        for share in (1.0, 0.7, 0.4, 0.15, 0.0):
+            scale = share * common + (1 - share) * local_here
+            e = np.exp(scale[OF_CHANNEL])
+            if max(np.linalg.norm(e[:, None] * M / e, 2) for M in inside) < 1:
+                arc = certify(form, a, b, ends, scale)
+            if arc is not None:
+                break
         if arc is None:
             width /= 1.6
             if width < narrowest:
                 raise ComputationError("disk region", f"no certificate near angle {angle:.4f}, scaled norm {value:.4f}")
             continue
         arcs.append(arc)
-        scale, angle, width = scale_here, stop, min(widest, 1.4 * width)
+        local, angle, width = local_here, stop, min(widest, 1.4 * width)
     return arcs

@@ -19,6 +19,7 @@ from papers.li2021.arcs import best_scaling
 from papers.li2021.robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop, loop
 
 GAINS = 72
+FREQUENCIES = (0.03, 0.06, 0.08, 0.1, 0.12, 0.15, 0.2, 0.3, 0.5)
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,12 @@ class Wishes:
         Nominal bounds on |s + a| over the poles of (10), and on the real parts of the flexible loop.
     static_gain, torque : float, optional
         Bounds on the norm of the static gain (rad/(N m)) and on the nominal torque from Table 1's start (N m).
+    norm : float, optional
+        Bound on the nominal gain from d~ to y at frequencies up to 0.5 rad/s, rad/(N m).
+    steady : float, optional
+        Bound on the modulus of every steady angle under the torque d(0), rad.
+    drawn_abscissa : float, optional
+        Bound on the abscissa of (10) at 32 fixed draws of twelve gain factors 1 + U(0, 1), as in Figures 8 and 9.
     """
 
     delta_m: float
@@ -43,6 +50,9 @@ class Wishes:
     abscissa_flexible: float | None = None
     static_gain: float | None = None
     torque: float | None = None
+    norm: float | None = None
+    steady: float | None = None
+    drawn_abscissa: float | None = None
 
 
 def pack(gains) -> np.ndarray:
@@ -66,16 +76,29 @@ class Objective:
         (a, b).
     start : ndarray, shape (6,)
         x(0), for the torque.
+    constant : array_like, shape (3,), optional
+        Torque behind the steady angles, N m.
     nodes : int, optional
         Points on the upper half circle, denser towards the origin.
     power : float, optional
         Exponent of the two smooth maxima (over singular values, and over points).
     """
 
-    def __init__(self, k, wishes: Wishes, disk: tuple[float, float], start, nodes: int = 26, power: float = 14) -> None:
+    def __init__(
+        self,
+        k,
+        wishes: Wishes,
+        disk: tuple[float, float],
+        start,
+        constant=(0, 0, 0),
+        nodes: int = 26,
+        power: float = 14,
+    ) -> None:
         self.k, self.wishes, self.power = k, wishes, power
         self.a, self.b = disk
         self.start = np.concatenate([start, np.zeros(6)])
+        self.constant = np.asarray(constant, dtype=float)
+        self.draws = 1 + np.random.default_rng(0).random((32, 12))
         self.rigid, self.flexible = plant.rigid(k), plant.flexible(k)
         circle = -self.a + self.b * np.exp(1j * np.pi * np.linspace(0, 1, nodes) ** 1.5)
         axis = 1j * np.array([0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.8, 1, 1.5, 2.5, 5])
@@ -112,6 +135,7 @@ class Objective:
         pull.A += self.lift.T @ pull.Cz[12:15]
         pull.H += self.lift.T @ pull.Dw[12:15]
         total += self._nominal(form, pull) + self._torque(form, gains, pull, direct) + self._flexible(gains, direct)
+        total += self._drawn(gains, direct)
         direct.A += pull.A[6:, 6:] + pull.H[6:, :6]
         direct.B += pull.A[6:, :3] + pull.H[6:, 6:9]
         direct.C += self.rigid.B.T @ pull.A[:6, 6:] + self.wishes.delta_m * pull.Cz[9:12, 6:]
@@ -154,6 +178,22 @@ class Objective:
             excess = max(s[0] - self.wishes.static_gain, 0.0)
             total += 300 * excess**2
             pull.A += 600 * excess * np.outer(Y @ U[:, 0], X @ Vh[0])
+        if self.wishes.norm is not None:
+            for w in FREQUENCIES:
+                R = np.linalg.inv(1j * w * np.eye(12) - form.A)
+                U, s, Vh = np.linalg.svd(form.C @ R @ form.B)
+                excess = s[0] - self.wishes.norm
+                if excess > 0:
+                    total += 100 * excess**2
+                    left, right = R.conj().T @ form.C.T @ U[:, 0], R @ form.B @ Vh[0].conj()
+                    pull.A += 200 * excess * np.real(np.outer(left, right.conj()))
+        if self.wishes.steady is not None:
+            state = np.linalg.solve(form.A, form.B @ self.constant)
+            angles = -form.C @ state
+            excess = np.maximum(np.abs(angles) - self.wishes.steady, 0) / self.wishes.steady
+            total += 3 * np.sum(excess**2)
+            push = 6 * excess * np.sign(angles) / self.wishes.steady
+            pull.A += np.outer(np.linalg.solve(form.A.T, form.C.T @ push), state)
         if self.wishes.disk_radius is not None:
             for value, left, right in _eigen(form.A):
                 distance = abs(value + self.a)
@@ -176,6 +216,22 @@ class Objective:
             direct.A += slope[m:, m:]
             direct.B += slope[m:, :3]
             direct.C += self.flexible.B.T @ slope[:m, m:]
+        return total
+
+    def _drawn(self, gains, direct) -> float:
+        if self.wishes.drawn_abscissa is None:
+            return 0.0
+        total, count = 0.0, len(self.draws)
+        for factors in self.draws:
+            fa, fb, fc = factors[:6], factors[6:9], factors[9:]
+            for value, left, right in _eigen(plant.closed_loop(self.rigid, gains, fa, fb, fc)):
+                excess = value.real - self.wishes.drawn_abscissa
+                if excess > 0:
+                    total += 300 / count * excess**2
+                    slope = 600 / count * excess * np.real(np.outer(left.conj(), right))
+                    direct.A += slope[6:, 6:] * fa
+                    direct.B += slope[6:, :3] * fb
+                    direct.C += fc[:, None] * (self.rigid.B.T @ slope[:6, 6:])
         return total
 
     def _torque(self, form: Loop, gains, pull, direct, step: float = 0.05, count: int = 400) -> float:
@@ -208,7 +264,7 @@ def _eigen(A: np.ndarray):
     return [(values[j], left[:, j], right[:, j]) for j in range(len(values))]
 
 
-def improve(k, gains, wishes: Wishes, disk, start, rounds: int = 2, iterations: int = 400) -> SimpleNamespace:
+def improve(k, gains, wishes: Wishes, disk, start, constant, rounds: int = 2, iterations: int = 400) -> SimpleNamespace:
     """Gains that meet the wishes better, from given ones inside the disk.
 
     Raises
@@ -216,7 +272,7 @@ def improve(k, gains, wishes: Wishes, disk, start, rounds: int = 2, iterations: 
     ComputationError
         If the objective is no number at the start.
     """
-    objective = Objective(k, wishes, disk, start)
+    objective = Objective(k, wishes, disk, start, constant)
     for _ in range(rounds):
         x = np.concatenate([pack(gains), objective.scalings(gains)])
         unit = np.concatenate([np.maximum(np.abs(pack(gains)), 0.05), np.ones(x.size - GAINS)])

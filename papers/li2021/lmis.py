@@ -113,7 +113,12 @@ def lemma3_analysis(model: Model, gains, lam: float, T: np.ndarray, gamma: float
     return Program(minimise=square if gamma is None else None, subject_to=[F < 0], label="(12), given gains")
 
 
-def theorem2(model: Model, scalars: SimpleNamespace, divided: bool, thin: bool) -> BlockMatrix:
+def theorem2_unknowns() -> tuple:
+    """S, Y = S - N, Fa, Fb, Cf of (17)."""
+    return symmetric("S", 6), symmetric("Y", 6), matrix("Fa", 6, 6), matrix("Fb", 6, 3), matrix("Cf", 3, 6)
+
+
+def theorem2(model: Model, scalars: SimpleNamespace, unknowns: tuple, divided: bool, thin: bool) -> BlockMatrix:
     """(17) as rebuilt: (13) without its terms in C_f'B1'S and C_f'B1'(S - N), which Lemma 2 carries.
 
     Parameters
@@ -121,15 +126,17 @@ def theorem2(model: Model, scalars: SimpleNamespace, divided: bool, thin: bool) 
     model : Model
     scalars : namespace
         eps1, eps2, lam, lam1, gamma, delta_m.
+    unknowns : tuple
+        Of `theorem2_unknowns`.
     divided : bool
         Where eps2 stands: False, it multiplies psi_3; True, it multiplies psi_4 and psi_5.
     thin : bool
         The split of Lemma 2: C_f' against [S B1; (S - N) B1] (True), or C_f'B1' against [S; S - N].
     """
     A, B, C, a, s = model.A, model.B, model.C, model.a, scalars
-    S, Y, Fa, Fb, Cf = symmetric("S", 6), symmetric("Y", 6), matrix("Fa", 6, 6), matrix("Fb", 6, 3), matrix("Cf", 3, 6)
+    S, Y, Fa, Fb, Cf = unknowns
     F = theorem1_frame(model, s, "(17)", S, Y, ("lemma_2",))
-    F["1a", "4"] = s.lam * (model.W @ (A + 0)).T + s.lam * Cf.T @ (model.W @ B).T
+    F["1a", "4"] = s.lam * (model.W @ A).T + s.lam * Cf.T @ (model.W @ B).T
     F["1a", "5a"] = (A + a * EYE6).T @ S
     F["1a", "5b"] = (A + a * EYE6).T @ Y + C.T @ Fb.T + Fa.T
     F["1b", "5a"] = (A + a * EYE6).T @ S

@@ -184,7 +184,8 @@ def norm_riccati(form: Loop, log_scale: np.ndarray, gamma: float) -> tuple[np.nd
     Z, through = form.Cz, np.hstack([form.Dw, form.Dd])
     weight = Z.T @ D @ Z + form.C.T @ form.C
     R = through.T @ D @ through - np.diag(np.concatenate([d[OF_CHANNEL], np.full(3, gamma**2)]))
-    for lift in (1e-3, 1e-4, 1e-5, 1e-6):
+    best, found = 0.0, None
+    for lift in 10.0 ** np.arange(-1, -7.5, -0.5):
         try:
             P = solve_continuous_are(
                 form.A, right, weight + lift * np.trace(weight) / 12 * np.eye(12), R, s=Z.T @ D @ through
@@ -192,8 +193,14 @@ def norm_riccati(form: Loop, log_scale: np.ndarray, gamma: float) -> tuple[np.nd
         except (np.linalg.LinAlgError, ValueError):
             continue
         P = (P + P.T) / 2
-        if np.linalg.eigvalsh(P)[0] > 0:
-            return P, d
+        cross = P @ right + Z.T @ D @ through
+        matrix = -np.block([[form.A.T @ P + P @ form.A + weight, cross], [cross.T, R]])
+        scale = 1 / np.sqrt(np.abs(np.diag(matrix)))
+        margin = float(np.linalg.eigvalsh(scale[:, None] * matrix * scale)[0])
+        if np.linalg.eigvalsh(P)[0] > 0 and margin > best:
+            best, found = margin, P
+    if found is not None:
+        return found, d
     raise ComputationError("norm", f"no solution of the Riccati equation at gamma {gamma}")
 
 

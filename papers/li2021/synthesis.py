@@ -13,8 +13,8 @@ from gainsay.tables import Case
 from gainsay.tables.results import Results, task
 from papers.li2021 import arcs, certify, design, lmis, plant, proofs, robust
 
-#: share of a limit found in floating point at which the certificate is made
-ROOM = 0.998
+#: shares of the limits of disk and norm found in floating point at which the certificate is made
+ROOM, ROOM_OF_NORM = 0.998, 0.992
 #: stages of the search for the largest gain variation: variation, static gain allowed
 STAGES = ((0.06, 1.5), (0.12, 3.0))
 
@@ -57,6 +57,23 @@ def factors(case: Case, results: Results) -> None:
     results.say("Section II.B, factors", "Delta D and Delta G factor with corrected Gamma_D, Gamma_G; four misprints")
 
 
+@task("(7), Lemmas 1 and 2")
+def algebra(case: Case, results: Results) -> None:
+    """The reduction (7), Lemma 2 by a completed square, and Lemma 1 with a negative mu."""
+    wanted = (
+        proofs.reduction(case),
+        proofs.completed_square(case),
+        proofs.negative_multiplier(case),
+    )
+    for certificate in wanted:
+        results.certificate(certificate)
+    method = "polynomial identity"
+    results.quantity("eq7.reduction", 1, method=method, source="(6), (7)")
+    results.quantity("lemma2.identity", 1, method=method, source="Lemma 2")
+    results.quantity("lemma1.without_sign", 1, method="a point with mu = -1", source="Lemma 1")
+    results.say("(7), Lemmas 1 and 2", "(7) and Lemma 2 hold; Lemma 1 needs mu > 0")
+
+
 @task("(20), (B.5)")
 def start_ellipsoid(case: Case, results: Results) -> None:
     """(20) does not bound x(0)'(S - N) x(0): a point that satisfies it and not the bound."""
@@ -81,7 +98,10 @@ def start_ellipsoid(case: Case, results: Results) -> None:
 def theorem2(case: Case, results: Results) -> None:
     """Theorem 2 in its four readings: the same two rows are infeasible for every value of the scalars."""
     model, scalars = lmis.Model.of(case), lmis.table1(case)
-    readings = [lmis.theorem2(model, scalars, divided, thin) for divided in (False, True) for thin in (False, True)]
+    unknowns = lmis.theorem2_unknowns()
+    readings = [
+        lmis.theorem2(model, scalars, unknowns, divided, thin) for divided in (False, True) for thin in (False, True)
+    ]
     rows = [form.sub("1a", "5a") for form in readings]
     same = sum(not rows[0].differences(other) for other in rows)
     results.quantity("eq17.readings", same, method="readings whose rows 1a and 5a are those of the certificate",
@@ -154,7 +174,7 @@ def lambda_band(case: Case, results: Results) -> None:
         return enclosed(lmis.pushed(lmis.lemma3_synthesis(model, 10.0**exponent, gamma)), "(12)").value
 
     for end, (inside, outside) in {"low": (0.0, -0.6), "high": (1.0, 2.5)}.items():
-        exponent = brentq(level, inside, outside, xtol=1e-4)
+        exponent = brentq(level, inside, outside, xtol=1e-3)
         lam = 10.0**exponent
         results.quantity(f"lemma3.lambda_{end}", lam, method="root of the largest common margin over log lambda",
                          source="(12)")  # fmt: skip
@@ -212,7 +232,8 @@ def certify_limit(case: Case, results: Results, name: str, gains, formulas, clai
     """Largest gain variation with all three requirements proved, by arcs and with one matrix for the disk."""
     found = limits(case, gains)
     largest = min(found.disk, found.norm)
-    evidence = certify.gather(case, gains, float(f"{ROOM * largest:.4g}"))
+    inside = min(ROOM * found.disk, ROOM_OF_NORM * found.norm)
+    evidence = certify.gather(case, gains, float(f"{inside:.4g}"))
     quantity = f"certified.{name}.delta_m"
     results.certificate(certify.certificate(
         case, f"{name}-delta-m", gains, formulas, evidence, quantity=quantity, claims=claims,
@@ -236,16 +257,20 @@ def printed_limit(case: Case, results: Results) -> None:
 def improved(case: Case, gains, wishes: design.Wishes, rounds: int = 2) -> SimpleNamespace:
     """Gains of `design.improve`, rounded to six decimals."""
     disk = (case.number("disk_centre"), case.number("disk_radius"))
-    found = design.improve(plant.constants(case), gains, wishes, disk, case.matrix("x0").ravel(), rounds)
+    k = plant.constants(case)
+    constant = plant.disturbance(case, k) @ np.array([1.0, 0.0, 1.0])
+    found = design.improve(k, gains, wishes, disk, case.matrix("x0").ravel(), constant, rounds)
     return design.unpack(np.round(design.pack(found), 6))
 
 
 @task("repaired design")
 def repaired(case: Case, results: Results) -> None:
     """A controller better than the printed one on the paper's own measures, certified at its delta_m and beyond."""
+    # each a little better than what the audit finds for the printed gains
     wishes = design.Wishes(
-        case.number("delta_m"), disk_radius=0.685, abscissa_flexible=-0.00636, static_gain=0.885, torque=0.425
-    )
+        case.number("delta_m"), disk_radius=0.69, abscissa_flexible=-0.00634, norm=0.89, static_gain=0.89,
+        steady=8.4e-4, torque=0.425, drawn_abscissa=-0.02,
+    )  # fmt: skip
     gains = improved(case, plant.controller(case, "proposed"), wishes)
     results.design("repaired", note="searched from the printed gains", A=gains.A, B=gains.B, C=gains.C)
     certify_limit(case, results, "repaired", gains, certify.of_design("repaired"))
@@ -273,5 +298,5 @@ def best(case: Case, results: Results) -> None:
 
 
 TASKS = (
-    factors, start_ellipsoid, theorem2, theorem1, lemma4, lemma3, lambda_band, printed_gains, printed_limit, repaired, best,
+    factors, algebra, start_ellipsoid, theorem2, theorem1, lemma4, lemma3, lambda_band, printed_gains, printed_limit, repaired, best,
 )  # fmt: skip
