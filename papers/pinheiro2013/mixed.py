@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import solve_continuous_are
-from scipy.optimize import minimize, minimize_scalar
+from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
+from scipy.optimize import minimize, root
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.lmi import BlockMatrix, Failed, Infeasible, Program, Scale, Solved, matrix, solve, sym, symmetric, trace
@@ -181,19 +181,6 @@ def h2_design(plant: GeneralizedPlant) -> Design:
     return Design(None, K, bound, h2_norm(A, B, C2), hinf_norm(A, B, C, D)[0])
 
 
-def pitch_h2_closed_form(plant: GeneralizedPlant, moment: float) -> tuple[np.ndarray, float]:
-    """Gain and H2 norm of the H2 limit of one double integrator I q'' = -s q + u, in closed form.
-
-    K1 = sqrt(s^2 + Q1^2) - s, K2 = sqrt(Q2^2 + 2 I K1) with R = 1, and the norm is |r| sqrt(I K2).
-    """
-    angle, rate = plant.C2[0, 0] / plant.D22[-1, 0], plant.C2[1, 1] / plant.D22[-1, 0]
-    stiffness = -plant.A[1, 0] * moment
-    # Written so that nothing cancels where the stiffness exceeds the weight.
-    first = angle**2 / (np.sqrt(stiffness**2 + angle**2) + stiffness)
-    second = np.sqrt(rate**2 + 2 * moment * first)
-    return np.array([[first, second]]), float(np.linalg.norm(plant.B1[1]) * np.sqrt(moment * second) * plant.D22[-1, 0])
-
-
 def least_covariance(plant: GeneralizedPlant, K: np.ndarray, gamma: float) -> np.ndarray:
     """Least X that satisfies the first LMI of (21) for a fixed gain, from its Riccati equation, without an LMI.
 
@@ -228,27 +215,58 @@ def trace_of_gain(plant: GeneralizedPlant, K: np.ndarray, gamma: float) -> float
     return float(np.trace(C2 @ X @ C2.T))
 
 
+def trace_gradient(plant: GeneralizedPlant, K: np.ndarray, gamma: float) -> np.ndarray:
+    """Derivative of `trace_of_gain` by the gain, by the adjoint of its Riccati equation.
+
+    With L = (X C' + B D') (gamma^2 I - D D')^-1 the covariance changes by (dA + L dC) X + its transpose under the
+    stable A + L C, so that the derivative is -2 [(B2 + L D12)' P + D22' C2] X with P (A + L C) + its transpose +
+    C2' C2 = 0.
+
+    Raises
+    ------
+    ComputationError
+        If the gain does not reach the level.
+    """
+    X = least_covariance(plant, K, gamma)
+    A, B, C, D, C2 = plant.closed(K)
+    L = np.linalg.solve(gamma**2 * np.eye(C.shape[0]) - D @ D.T, C @ X + D @ B.T).T
+    P = solve_continuous_lyapunov((A + L @ C).T, -C2.T @ C2)
+    return -2 * ((plant.B2 + L @ plant.D12).T @ P + plant.D22.T @ C2) @ X
+
+
 def mixed_by_descent(plant: GeneralizedPlant, gamma: float, start: np.ndarray) -> tuple[np.ndarray, float]:
-    """Least trace of Q by descent over the gains with `trace_of_gain`: a second method without an LMI.
+    """Least trace of Q by descent over the gains, then its stationary point to rounding: a second method, no LMI.
 
     Returns
     -------
     K : ndarray
     sqrt_trace : float
+
+    Raises
+    ------
+    ComputationError
+        If the descent does not end in a stationary point.
     """
     scale = np.maximum(np.abs(start), 1e-3 * np.abs(start).max())
+    size = trace_of_gain(plant, start, gamma)
+
+    def gain(y: np.ndarray) -> np.ndarray:
+        return y.reshape(start.shape) * scale
 
     def cost(y: np.ndarray) -> float:
-        return trace_of_gain(plant, y.reshape(start.shape) * scale, gamma)
+        return min(trace_of_gain(plant, gain(y), gamma) / size, 1e6)
 
-    x, best = (start / scale).ravel(), np.inf
-    for _ in range(20):
-        found = minimize(cost, x, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-13, "maxiter": 2000})
-        x = found.x
-        if not best - found.fun > 1e-13 * found.fun:
-            break
-        best = found.fun
-    return x.reshape(start.shape) * scale, float(np.sqrt(found.fun))
+    def slope(y: np.ndarray) -> np.ndarray:
+        try:
+            return (trace_gradient(plant, gain(y), gamma) * scale / size).ravel()
+        except ComputationError:
+            return np.zeros(y.size)
+
+    first = minimize(cost, (start / scale).ravel(), jac=slope, method="BFGS", options={"gtol": 1e-9})
+    last = root(slope, first.x, tol=1e-13)
+    if not np.abs(last.fun).max() < 1e-8 or cost(last.x) > first.fun * (1 + 1e-9):
+        raise ComputationError("(21)", f"descent over the gains stopped at a slope of {np.abs(last.fun).max():.1e}")
+    return gain(last.x), float(np.sqrt(cost(last.x) * size))
 
 
 def starting_gain(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray, np.ndarray]:
@@ -319,65 +337,3 @@ def normalised(plant: GeneralizedPlant, gamma: float) -> Normalised:
         D11=plant.D11 / gamma, D12=plant.D12 * torque / gamma, C2=plant.C2 @ T / cost, D22=plant.D22 * torque / cost,
     )  # fmt: skip
     return Normalised(changed, T, torque, K @ T / torque[:, None])
-
-
-def pitch_norms(plant: GeneralizedPlant, k1: float, k2: float) -> tuple[float, float]:
-    """H2 and H-infinity norm of pitch with q'' + k2 q' + k1 q = r w, in closed form.
-
-    The covariance is |r|^2 diag(1/(2 k1 k2), 1/(2 k2)). The squared gain, with v = w^2, is
-    |r|^2 (v^2 + 2)/((k1 - v)^2 + k2^2 v).
-
-    Returns
-    -------
-    h2, hinf : float
-    """
-    size = np.linalg.norm(plant.B1[1])
-    K = (np.array([k1, k2]) + plant.A[1]) / plant.B2[1, 0]
-    weights = np.diag(plant.C2.T @ plant.C2) + plant.D22[-1, 0] ** 2 * K**2
-    h2 = size * np.sqrt(weights[0] / (2 * k1 * k2) + weights[1] / (2 * k2))
-    # Stationary where (v^2 + 2)' d = (v^2 + 2) d' with d = v^2 + b v + k1^2: b v^2 + 2 (k1^2 - 2) v - 2 b = 0.
-    b = k2**2 - 2 * k1
-    roots = np.roots([b, 2 * (k1**2 - 2), -2 * b]) if b else np.array([])
-    inner = [v.real for v in np.atleast_1d(roots) if abs(v.imag) < 1e-12 and v.real > 0]
-    squares = [1.0, 2 / k1**2, *((v**2 + 2) / ((k1 - v) ** 2 + k2**2 * v) for v in inner)]
-    return float(h2), float(size * np.sqrt(max(squares)))
-
-
-def pitch_true_optimum(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray, float]:
-    """Least H2 norm over both pitch gains with the H-infinity norm at most gamma, without a shared X.
-
-    For given k1 >= sqrt 2 |r|/gamma the level asks for k2^2 >= 2 k1 - (2/gamma^2) sqrt((gamma^2 - |r|^2)
-    (gamma^2 k1^2 - 2 |r|^2)), and the H2 norm is unimodal in k2, so that one search over k1 remains.
-
-    Returns
-    -------
-    K : ndarray, shape (1, 2)
-    h2 : float
-
-    Raises
-    ------
-    InputError
-        If gamma does not exceed gamma_min.
-    """
-    size, least = np.linalg.norm(plant.B1[1]), gamma_min(plant)
-    if not gamma > least:
-        raise InputError("level", field="gamma", value=gamma, expected=f"above gamma_min = {least!r}")
-    lowest = np.sqrt(2) * size / gamma
-
-    def along(logarithm: float) -> tuple[float, float, float]:
-        k1 = lowest * np.exp(logarithm)
-        free = max((gamma**2 - size**2) * (gamma**2 * k1**2 - 2 * size**2), 0.0)
-        floor = np.sqrt(max(2 * k1 - 2 / gamma**2 * np.sqrt(free), 1e-12))
-        found = minimize_scalar(
-            lambda x: pitch_norms(plant, k1, floor * np.exp(x))[0], bounds=(0, 8), method="bounded",
-            options={"xatol": 1e-12},
-        )  # fmt: skip
-        inner = floor * np.exp(found.x)
-        return min((pitch_norms(plant, k1, k2)[0], k1, k2) for k2 in (floor, inner))
-
-    grid = np.linspace(0, 8, 161)
-    i = int(np.argmin([along(x)[0] for x in grid]))
-    bounds = (grid[max(i - 1, 0)], grid[min(i + 1, len(grid) - 1)])
-    found = minimize_scalar(lambda x: along(x)[0], bounds=bounds, method="bounded", options={"xatol": 1e-12})
-    h2, k1, k2 = min(along(found.x), along(grid[i]))
-    return np.array([[k1 + plant.A[1, 0], k2]]) / plant.B2[1, 0], h2

@@ -7,7 +7,7 @@ from gainsay.lmi import Failed, Infeasible, Infimum, Solved, infimum, sweep
 from gainsay.proof import build
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
 from gainsay.tables.results import task
-from papers.pinheiro2013 import formulas, mixed
+from papers.pinheiro2013 import formulas, mixed, pitch
 from papers.pinheiro2013.plant import GROUPS, RECONSTRUCTIONS, GeneralizedPlant, generalized_plant, reconstruction
 
 LEVELS = {"gamma_0.2": "gamma_min", "gamma_2": "gamma_mixed", "gamma_100": "gamma_max"}
@@ -82,7 +82,7 @@ def h2_limit(case, results):
         if abs(found.h2 / found.sqrt_trace - 1) > 1e-9:
             raise ComputationError("H2 limit", f"Riccati {found.sqrt_trace!r}, Gramian {found.h2!r}")
         if group == "pitch":
-            K, norm = mixed.pitch_h2_closed_form(plant, reconstruction(case, name).moment("y"))
+            K, norm = pitch.h2_limit(plant, reconstruction(case, name).moment("y"))
             if max(abs(norm / found.h2 - 1), np.abs(K / found.K - 1).max()) > 1e-8:
                 raise ComputationError("H2 limit", f"closed form {norm!r}, Riccati {found.h2!r}")
         results.quantity(
@@ -99,8 +99,8 @@ def limits(case, results):
         gamma = mixed.ABOVE * mixed.gamma_min(plant)
         K = gain_of(best(plant, gamma), plant, gamma)
         satellite = reconstruction(case, name)
+        K, _ = mixed.mixed_by_descent(plant, gamma, K)
         if group == "pitch":
-            K, _ = mixed.mixed_by_descent(plant, gamma, K)
             first, second, moment, prefix = K[0, 0], K[0, 1], satellite.moment("y"), f"{name}.limit"
         else:
             first, second, moment, prefix = K[1, 1], K[1, 3], satellite.moment("z"), f"{name}.limit.yaw"
@@ -139,33 +139,35 @@ def designs(case, results):
             for group in SEPARATE:
                 plant = generalized_plant(satellite, group)
                 gains[group] = _design(results, name, level, group, plant, gamma)
-            pitch, roll_yaw = gains["pitch"], gains["roll_yaw"]
             K = np.zeros((3, 6))
-            K[np.ix_([1], [1, 4])] = pitch
-            K[np.ix_([0, 2], [0, 2, 3, 5])] = roll_yaw
+            K[np.ix_([1], [1, 4])] = gains["pitch"]
+            K[np.ix_([0, 2], [0, 2, 3, 5])] = gains["roll_yaw"]
             results.design(
-                f"{name}_{formulas.GAMMAS[level]}", K=K, K_pitch=pitch, K_roll_yaw=roll_yaw,
+                f"{name}_{formulas.GAMMAS[level]}", K=K, K_pitch=gains["pitch"], K_roll_yaw=gains["roll_yaw"],
                 note=f"(21) with the sign corrected at gamma = {gamma:g}, reconstruction {name.upper()}",
             )  # fmt: skip
-            results.say(f"(21) {name} gamma = {gamma:g}", f"pitch K = [{pitch[0, 0]:.4g}, {pitch[0, 1]:.4g}]")
+            results.say(f"(21) {name} gamma = {gamma:g}", f"pitch K = {_short(gains['pitch'])}")
+
+
+def _short(K: np.ndarray) -> str:
+    return "[" + ", ".join(f"{x:.4g}" for x in K.ravel()) + "]"
 
 
 def _design(results, name, level, group, plant, gamma) -> np.ndarray:
     found = best(plant, gamma)
     K = gain_of(found, plant, gamma)
     sqrt_trace, lower, upper = np.sqrt([found.value, found.lower, found.upper])
-    method = "LMI between a strict point and strict multipliers; Riccati equation of the gain agrees"
+    method = "stationary point of the Riccati equation's trace over the gains; band: LMI between checked points"
+    polished, other = mixed.mixed_by_descent(plant, gamma, K)
+    apart = np.abs(polished - K).max() / np.abs(K).max()
+    if abs(other / sqrt_trace - 1) > AGREE or apart > 1e-4:
+        raise ComputationError("(21)", f"descent over the gains finds {other!r}, {polished.tolist()}")
+    K, sqrt_trace = polished, other
     if group == "pitch":
-        polished, other = mixed.mixed_by_descent(plant, gamma, K)
-        apart = np.abs(polished / K - 1).max()
-        if abs(other / sqrt_trace - 1) > AGREE or apart > 1e-4:
-            raise ComputationError("(21)", f"descent over the gains finds {other!r}, {polished.tolist()}")
-        method += ", and descent over the two gains"
-        K, sqrt_trace = polished, other
         for k in (1, 2):
             results.quantity(
                 f"{name}.{level}.k{k}.pitch", K[0, k - 1], source="(22)",
-                method=f"descent on the Riccati equation's trace, {apart:.0e} from the gain of the LMI",
+                method="stationary point of the Riccati equation's trace over the gains; the LMI agrees",
             )  # fmt: skip
     A, B, C, D, C2 = plant.closed(K)
     h2, (hinf, _) = mixed.h2_norm(A, B, C2), hinf_norm(A, B, C, D)
@@ -334,7 +336,7 @@ def pareto(case, results):
         if not isinstance(outcome, Solved):
             raise ComputationError("gamma sweep", f"no solution at gamma = {gamma!r}", outcome.attempts)
         shared = mixed.evaluated(plant, gamma, outcome)
-        gain, true = mixed.pitch_true_optimum(plant, gamma)
+        gain, true = pitch.true_optimum(plant, gamma)
         A, B, C, D, C2 = plant.closed(gain)
         if abs(mixed.h2_norm(A, B, C2) / true - 1) > 1e-8 or hinf_norm(A, B, C, D)[0] > gamma * (1 + 1e-8):
             raise ComputationError("gamma sweep", f"closed forms at gamma = {gamma!r} disagree with the norms")

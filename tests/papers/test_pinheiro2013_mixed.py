@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from gainsay.errors import ComputationError, InputError
 from gainsay.lmi import Infimum, infimum
 from gainsay.systems.norms import h2_norm, hinf_norm
-from papers.pinheiro2013 import mixed
+from papers.pinheiro2013 import mixed, pitch
 from papers.pinheiro2013.plant import Satellite, generalized_plant
 from papers.pinheiro2013.scans import quick_design
 
@@ -70,7 +70,7 @@ def test_gains_forget_the_weights_at_the_least_level():
 def test_h2_limit_of_pitch_has_its_closed_form():
     # Closed form of the double integrator's Riccati equation, derived by hand.
     found = mixed.h2_design(PITCH)
-    K, norm = mixed.pitch_h2_closed_form(PITCH, SATELLITE.moment("y"))
+    K, norm = pitch.h2_limit(PITCH, SATELLITE.moment("y"))
     assert pytest.approx(K, rel=1e-9) == found.K
     assert (found.h2, found.sqrt_trace) == pytest.approx((norm, norm), rel=1e-9)
 
@@ -88,19 +88,19 @@ def test_closed_forms_of_both_pitch_norms(k1, k2):
     K = (np.array([[k1, k2]]) + PITCH.A[1]) / PITCH.B2[1, 0]
     A, B, C, D, C2 = PITCH.closed(K)
     # Other methods: Hamiltonian test and Gramians.
-    assert mixed.pitch_norms(PITCH, k1, k2) == pytest.approx((h2_norm(A, B, C2), hinf_norm(A, B, C, D)[0]), rel=1e-7)
+    assert pitch.norms(PITCH, k1, k2) == pytest.approx((h2_norm(A, B, C2), hinf_norm(A, B, C, D)[0]), rel=1e-7)
 
 
 @pytest.mark.parametrize("gamma", [0.15, 1.0, 10.0])
 def test_no_pitch_gain_beats_the_true_optimum(gamma):
-    K, least = mixed.pitch_true_optimum(PITCH, gamma)
+    K, least = pitch.true_optimum(PITCH, gamma)
     A, B, C, D, C2 = PITCH.closed(K)
     assert h2_norm(A, B, C2) == pytest.approx(least, rel=1e-8)
     assert hinf_norm(A, B, C, D)[0] <= gamma * (1 + 1e-8)
     assert least < mixed.mixed_design(PITCH, gamma).h2
     generator, k = np.random.default_rng(1), PITCH.B2[1, 0] * K[0] - PITCH.A[1]
     for factor in np.exp(generator.normal(0, 0.3, (3000, 2))):
-        h2, hinf = mixed.pitch_norms(PITCH, *(k * factor))
+        h2, hinf = pitch.norms(PITCH, *(k * factor))
         assert hinf > gamma or h2 >= least * (1 - 1e-9)
 
 
@@ -119,9 +119,29 @@ def test_printed_lmi_fails_everywhere(seed):
 
 def test_level_below_the_least_is_refused_with_the_least_named():
     least = mixed.gamma_min(PITCH)
-    for call in (mixed.mixed_design, mixed.mixed_program, mixed.pitch_true_optimum):
+    for call in (mixed.mixed_design, mixed.mixed_program, pitch.true_optimum):
         with pytest.raises(InputError, match=rf"gamma 0\.09.*{least!r}|{least!r}.*gamma 0\.09|gamma_min = {least!r}"):
             call(PITCH, 0.09)
+
+
+@pytest.mark.parametrize("plant", [PITCH, ROLL_YAW], ids=["pitch", "roll_yaw"])
+@pytest.mark.parametrize("gamma", [0.2, 2.0, 100.0])
+def test_gradient_of_the_trace_is_its_difference_quotient(plant, gamma):
+    K = mixed.starting_gain(plant, gamma)[0] * 1.02
+    gradient, generator = mixed.trace_gradient(plant, K, gamma), np.random.default_rng(5)
+    for _ in range(5):
+        step = 1e-5 * generator.standard_normal(K.shape) * np.abs(K).max()
+        slope = mixed.trace_of_gain(plant, K + step, gamma) - mixed.trace_of_gain(plant, K - step, gamma)
+        assert slope == pytest.approx(2 * np.sum(gradient * step), rel=1e-4)
+
+
+@pytest.mark.parametrize("gamma", [0.2, 2.0, 100.0])
+def test_descent_ends_where_the_lmi_does_from_elsewhere(gamma):
+    design = mixed.mixed_design(ROLL_YAW, gamma)
+    K, sqrt_trace = mixed.mixed_by_descent(ROLL_YAW, gamma, mixed.starting_gain(ROLL_YAW, gamma)[0])
+    assert sqrt_trace == pytest.approx(design.sqrt_trace, rel=1e-6)
+    assert sqrt_trace <= design.sqrt_trace
+    assert pytest.approx(design.K, rel=1e-3, abs=1e-5 * np.abs(design.K).max()) == K
 
 
 def test_gain_that_misses_the_level_has_no_covariance():

@@ -10,104 +10,18 @@ H. Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM, 1
 """
 
 import math
-import random
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.verdicts.plausible import Plausible, Point, fractions, plausible, sample
 
-Point = dict[str, Any]
+__all__ = ["Boundary", "Plausible", "Point", "Scan", "fractions", "plausible", "sample", "scan"]
+
 #: fewest samples on which a verdict may rest
 LEAST_SAMPLES = 200
 _BISECTIONS = 60
-_PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
-
-
-@dataclass(frozen=True)
-class Plausible:
-    """The plausible values of one input.
-
-    Attributes
-    ----------
-    name : str
-    unit : str
-    low, high : float or None
-        Ends of a range.
-    logarithmic : bool
-        Whether the range is sampled evenly in the logarithm.
-    values : tuple
-        The values of a choice, instead of a range.
-    """
-
-    name: str
-    unit: str = "1"
-    low: float | None = None
-    high: float | None = None
-    logarithmic: bool = False
-    values: tuple = ()
-
-    def __post_init__(self) -> None:
-        if self.values:
-            return
-        if self.low is None or self.high is None or not self.low < self.high:
-            raise InputError(field=self.name, value=(self.low, self.high), expected="a range low < high or values")
-        if self.logarithmic and self.low <= 0:
-            raise InputError(field=self.name, value=self.low, expected="a positive range for logarithmic sampling")
-
-    def at(self, fraction: float) -> Any:
-        """Return the value at a fraction 0..1 of the range, or of the list of values."""
-        if self.values:
-            return self.values[min(int(fraction * len(self.values)), len(self.values) - 1)]
-        if self.logarithmic:
-            return self.low * (self.high / self.low) ** fraction
-        return self.low + fraction * (self.high - self.low)
-
-    def fraction(self, value: Any) -> float:
-        """Return the fraction of the range at which a value lies, the inverse of `at`."""
-        if self.values:
-            return self.values.index(value) / max(len(self.values) - 1, 1)
-        if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
-
-    def to_json(self) -> dict[str, Any]:
-        """Return what a result file says of the input."""
-        ends = {"values": list(self.values)} if self.values else {"low": self.low, "high": self.high}
-        return {"name": self.name, "unit": self.unit, **ends, "logarithmic": self.logarithmic}
-
-
-def plausible(case: Any, name: str, *, logarithmic: bool = False) -> Plausible:
-    """Read the plausible values of a parameter from a paper's table, in SI units.
-
-    Parameters
-    ----------
-    case : gainsay.tables.Case
-    name : str
-        A parameter with the status `assumed`.
-    logarithmic : bool
-        Whether to sample a range evenly in the logarithm.
-
-    Raises
-    ------
-    InputError
-        If the table gives no plausible values.
-    """
-    from gainsay.tables.units import to_si
-
-    row = case.parameters.get(name)
-    if row is None or not row.plausible:
-        raise InputError(
-            file=f"papers/{case.name}/parameters.csv", field="plausible", value=name, expected="its plausible values"
-        )
-    unit, factor = to_si(row.unit)
-    low, dots, high = row.plausible.partition("..")
-    if row.type == "number" and dots:
-        return Plausible(name, unit, float(low) * float(factor), float(high) * float(factor), logarithmic)
-    words = row.plausible.split("|")
-    return Plausible(
-        name, unit, values=tuple(float(w) * float(factor) for w in words) if row.type == "number" else tuple(words)
-    )
 
 
 @dataclass(frozen=True)
@@ -233,66 +147,6 @@ class Scan:
 
 def _short(value: Any) -> str:
     return f"{value:.5g}" if isinstance(value, float) else str(value)
-
-
-def fractions(dimensions: int, seed: int) -> Iterator[tuple[float, ...]]:
-    """Yield the points of the sequence in the unit cube, without end.
-
-    Parameters
-    ----------
-    dimensions : int
-    seed : int
-        Of the shift.
-    """
-    if dimensions > len(_PRIMES):
-        raise InputError("inputs of a scan", value=dimensions, expected=f"at most {len(_PRIMES)}")
-    source = random.Random(seed)
-    shift = [source.random() for _ in range(dimensions)]
-    index = 0
-    while True:
-        index += 1
-        yield tuple((s + _mirrored(index, b)) % 1.0 for s, b in zip(shift, _PRIMES, strict=False))
-
-
-def _mirrored(index: int, base: int) -> float:
-    """Digits of an integer mirrored at the point: the radical inverse."""
-    value, place = 0.0, 1.0
-    while index:
-        index, digit = divmod(index, base)
-        place /= base
-        value += digit * place
-    return value
-
-
-def sample(
-    inputs: Sequence[Plausible], samples: int, seed: int, admissible: Callable[[Mapping], bool] | None = None
-) -> list[Point]:
-    """Draw points from the plausible values of the inputs.
-
-    Parameters
-    ----------
-    inputs : sequence of Plausible
-    samples : int
-        Number of admissible points.
-    seed : int
-    admissible : callable, optional
-        Says whether inputs fit together, such as moments of inertia; others are passed over.
-
-    Raises
-    ------
-    InputError
-        If fewer than one point in a hundred is admissible.
-    """
-    points: list[Point] = []
-    for drawn, fraction in enumerate(fractions(len(inputs), seed)):
-        if drawn > 100 * max(samples, 10):
-            raise InputError("hardly any plausible inputs fit together", value=f"{len(points)} of {drawn} drawn")
-        point = {p.name: p.at(f) for p, f in zip(inputs, fraction, strict=True)}
-        if admissible is None or admissible(point):
-            points.append(point)
-            if len(points) == samples:
-                return points
-    raise AssertionError("the sequence does not end")
 
 
 def scan(
