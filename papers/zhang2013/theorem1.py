@@ -109,3 +109,31 @@ def without_slack(loop: Delayed, v: Functional, gamma_squared: object, part: str
     F["w", "y"] = Cd.T
     F["y", "y"] = -np.eye(C.shape[0])
     return F
+
+
+def channel_blocks(A: np.ndarray, Bd: np.ndarray, Cd: np.ndarray, d_M: float, mu: float) -> tuple:
+    """Stability part of (9) for x' = A x + Bd v(t - d), v = Cd x, with Q1, Q2, R of the delayed signal v alone.
+
+    (9) without slack at Q = Cd' q Cd and R = Cd' r Cd, to which small positive definite terms can be added: a delay
+    proved by these blocks is proved by Theorem 1, of which they are a cheaper and at most more conservative form.
+
+    Returns
+    -------
+    tuple of Affine
+        Every matrix that is to be positive definite.
+    """
+    n, r = Bd.shape
+    P1, Q1, Q2, R = symmetric("P1", n), symmetric("Q1", r), symmetric("Q2", r), symmetric("R", r)
+    found = []
+    for part, c in PARTS.items():
+        F = BlockMatrix(f"(9{part}) of the delayed signal", "x", "v_d", "v_M", "R")
+        F["x", "x"] = sym(P1 @ A) + Cd.T @ (Q1 + Q2 - (c / d_M) * R) @ Cd
+        F["x", "v_d"] = P1 @ Bd + (c / d_M) * (Cd.T @ R)
+        F["v_d", "v_d"] = -(1 - mu) * Q2 - (4 / d_M) * R
+        F["v_d", "v_M"] = ((4 - c) / d_M) * R
+        F["v_M", "v_M"] = -Q1 - ((4 - c) / d_M) * R
+        F["x", "R"] = d_M * ((Cd @ A).T @ R)
+        F["v_d", "R"] = d_M * ((Cd @ Bd).T @ R)
+        F["R", "R"] = -d_M * R
+        found.append(-F.assembled)
+    return (*found, P1, Q1, Q2, R)

@@ -11,7 +11,13 @@ from scipy.special import lambertw
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.systems.delay import DelaySystem, hurwitz
-from gainsay.systems.delay_bounds import bessel_legendre, bessel_legendre_delay, legendre_slopes, level
+from gainsay.systems.delay_bounds import (
+    bessel_legendre,
+    bessel_legendre_delay,
+    legendre_slopes,
+    level,
+    proved_delay,
+)
 from gainsay.systems.delay_spectrum import (
     chebyshev,
     gain_stays_below,
@@ -246,7 +252,9 @@ def test_legendre_slopes_are_those_of_integration_by_parts():
 def test_bounds_grow_with_the_degree_towards_the_exact_margin():
     system = servo(1.0, 1.0)
     exact = system.quasi_polynomial.margin().delay
-    found = [bessel_legendre_delay(system.A, system.A1, degree, 0.3 * exact, 1.01 * exact) for degree in (0, 1)]
+    found = [
+        bessel_legendre_delay(system.A, system.Bd, system.Cd, degree, 0.3 * exact, 1.01 * exact) for degree in (0, 1)
+    ]
     assert all(a < b for a, b in pairwise([*found, exact]))
     assert found[1] > 0.99 * exact
 
@@ -256,7 +264,7 @@ def test_bounds_grow_with_the_degree_towards_the_exact_margin():
 def test_no_condition_holds_where_the_system_is_unstable(seed, delay):
     system = random_system(seed, 2)
     assume(spectral_abscissa(system, delay) > 1e-3)
-    assert -level(bessel_legendre(system.A, system.A1, delay, 1)).value < 1e-8
+    assert -level(bessel_legendre(system.A, system.Bd, system.Cd, delay, 1)).value < 1e-8
 
 
 def test_a_known_example_of_the_hierarchy():
@@ -266,8 +274,8 @@ def test_a_known_example_of_the_hierarchy():
     exact = math.acos(-0.9) / math.sqrt(1 - 0.81)
     assert exact == pytest.approx(6.1725, abs=1e-4)
     # Table 1 there: 4.472 for degree 0 (Jensen), 6.059 for degree 1
-    assert bessel_legendre_delay(system.A, system.A1, 0, 1.0, 6.3) == pytest.approx(4.472, abs=1e-3)
-    assert bessel_legendre_delay(system.A, system.A1, 1, 1.0, 6.3) == pytest.approx(6.059, abs=1e-3)
+    assert bessel_legendre_delay(system.A, system.Bd, system.Cd, 0, 1.0, 6.3) == pytest.approx(4.472, abs=1e-3)
+    assert bessel_legendre_delay(system.A, system.Bd, system.Cd, 1, 1.0, 6.3) == pytest.approx(6.059, abs=1e-3)
 
 
 def test_bounds_do_not_depend_on_the_coordinates():
@@ -275,6 +283,29 @@ def test_bounds_do_not_depend_on_the_coordinates():
     system = servo(1.0, 1.0)
     exact = system.quasi_polynomial.margin().delay
     T = np.diag([1.0, 3.0])
-    moved = [np.linalg.solve(T, M @ T) for M in (system.A, system.A1)]
-    one, two = (bessel_legendre_delay(A, Ad, 0, 0.5 * exact, 1.01 * exact) for A, Ad in ((system.A, system.A1), moved))
+    moved = np.linalg.solve(T, system.A @ T), np.linalg.solve(T, system.Bd), system.Cd @ T
+    one, two = (
+        bessel_legendre_delay(*parts, 0, 0.5 * exact, 1.01 * exact)
+        for parts in ((system.A, system.Bd, system.Cd), moved)
+    )
     assert one == pytest.approx(two, rel=1e-6)
+
+
+def test_one_channel_proves_as_much_as_the_whole_state():
+    # S and R of the delayed signal against S and R of the state, as the hierarchy is published
+    system = servo(1.0, 1.0)
+    exact = system.quasi_polynomial.margin().delay
+    forms = ((system.A, system.Bd, system.Cd), (system.A, system.A1, np.eye(2)))
+    channel, state = (bessel_legendre_delay(*parts, 1, 0.5 * exact, 1.01 * exact) for parts in forms)
+    assert channel == pytest.approx(state, rel=2e-5)
+
+
+def test_proved_delay_ends_at_the_bound():
+    system = servo(1.0, 1.0)
+    parts = system.A, system.Bd, system.Cd
+    exact = system.quasi_polynomial.margin().delay
+    proved, tried = proved_delay(lambda h: bessel_legendre(*parts, h, 0).blocks, 1.01 * exact, 1e-3)
+    assert proved <= bessel_legendre_delay(*parts, 0, 0.5 * exact, 1.01 * exact) * (1 + 1e-6) <= tried * (1 + 1e-6)
+    assert tried - proved <= 1.01e-3 * exact
+    unstable = DelaySystem([[1.0]], [[0.0]], [[1.0]])
+    assert proved_delay(lambda h: bessel_legendre(unstable.A, unstable.Bd, unstable.Cd, h, 0).blocks, 1.0, 0.1)[0] == 0

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from gainsay.errors import CertificateError
 from gainsay.lmi import Infimum, Program, Solved, infimum, scalar, solve
+from gainsay.systems.delay_bounds import bessel_legendre, proved_delay
 from gainsay.systems.delay_spectrum import hinf_norm
 from gainsay.tables import Case, read_case
 from papers.zhang2013 import certificates, derivations, misprints
@@ -24,7 +25,7 @@ from papers.zhang2013.design import (
     unsound_program,
 )
 from papers.zhang2013.plant import Spacecraft
-from papers.zhang2013.theorem1 import PARTS, Delayed, Functional, theorem1, without_slack
+from papers.zhang2013.theorem1 import PARTS, Delayed, Functional, channel_blocks, theorem1, without_slack
 from papers.zhang2013.theorem2 import (
     EDITIONS,
     FREE,
@@ -147,6 +148,18 @@ def test_largest_delay_lies_below_the_exact_margin_and_between_checked_points():
     assert infeasible - feasible < 2e-4
     for d_M, sign in ((value - 1e-3, -1), (value + 1e-3, 1)):
         assert sign * (least_gamma(replace(LOOP, d_M=d_M)).value - 2.25) > 0
+
+
+def test_theorem_1_of_the_delayed_signal_proves_no_more_than_theorem_1():
+    loop = CRAFT.design_loop(K, L)
+    parts = loop.A[:2, :2], loop.Bd[:2], loop.Cd[:, :2]
+    exact = loop.quasi_polynomial.margin().delay
+    proved, _ = proved_delay(lambda d: channel_blocks(*parts, d, 0.1), 1.001 * exact, 1e-3)
+    # its stability part is what remains of (9) for a large gamma
+    assert least_gamma(replace(LOOP, d_M=0.999 * proved)).upper < 1e4
+    # and for varying delays it proves what Jensen's inequality proves for constant ones
+    jensen, tried = proved_delay(lambda d: bessel_legendre(*parts, d, 0).blocks, 1.001 * exact, 1e-3)
+    assert jensen - 1e-9 <= proved <= tried + 1e-9
 
 
 def test_unsound_point_has_an_unstable_observer():

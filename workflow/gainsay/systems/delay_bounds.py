@@ -6,7 +6,7 @@ A. Seuret, F. Gouaisbaut, Hierarchy of LMI conditions for the stability analysis
 Control Letters 81 (2015) 1-7, theorem 5. Degree 0 is Jensen's inequality, degree 1 Wirtinger's.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,10 +18,12 @@ from gainsay.lmi import (
     Definite,
     Infimum,
     Program,
+    Solved,
     block_diagonal,
     equal,
     infimum,
     scalar,
+    solve,
     sym,
     symmetric,
     trace,
@@ -64,30 +66,36 @@ def legendre_slopes(degree: int, k: int) -> np.ndarray:
     return np.where(i < k, -(2 * i + 1) * (1 - (-1.0) ** (k + i)), 0.0)
 
 
-def bessel_legendre(A: np.ndarray, Ad: np.ndarray, delay: float, degree: int) -> DelayCondition:
-    """Condition with Legendre polynomials up to a degree under x'.
+def bessel_legendre(A: np.ndarray, Bd: np.ndarray, Cd: np.ndarray, delay: float, degree: int) -> DelayCondition:
+    """Condition for x' = A x + Bd v(t - h), v = Cd x, with Legendre polynomials up to a degree under v'.
+
+    With Bd = Ad and Cd = I this is the theorem as published. With fewer channels the integrals, S and R are of v alone:
+    a smaller condition, of which every solution is one of the published condition in the limit of small extra terms.
 
     Parameters
     ----------
-    A, Ad : ndarray, shape (n, n)
+    A, Bd, Cd : ndarray
+        Shapes (n, n), (n, r), (r, n).
     delay : float
         h, s, positive.
     degree : int
         N >= 0.
     """
-    n = len(A)
-    if delay <= 0 or degree < 0:
+    (n, r), h, N = Bd.shape, delay, degree
+    if not delay > 0 or degree < 0:
         raise InputError("", field="delay, degree", value=(delay, degree), expected="delay > 0 s, degree >= 0")
-    h, N, eye = delay, degree, np.eye(n)
-    P, S, R = symmetric("P", (1 + N) * n), symmetric("S", n), symmetric("R", n)
-    slope = np.hstack([A, Ad, np.zeros((n, N * n))])
-    moments = [np.hstack([eye, -((-1.0) ** k) * eye, *(g * eye for g in legendre_slopes(N, k))]) for k in range(N + 1)]
-    state = np.zeros(((1 + N) * n, (2 + N) * n))
-    state[:n, :n] = eye
-    state[n:, 2 * n :] = h * np.eye(N * n)
+    P, S, R = symmetric("P", n + N * r), symmetric("S", r), symmetric("R", r)
+    eye = np.eye(r)
+    slope = np.hstack([A, Bd, np.zeros((n, N * r))])
+    channel = Cd @ slope  # v'
+    moments = [np.hstack([Cd, -((-1.0) ** k) * eye, *(g * eye for g in legendre_slopes(N, k))]) for k in range(N + 1)]
+    state = np.zeros((n + N * r, n + r + N * r))
+    state[:n, :n] = np.eye(n)
+    state[n:, n + r :] = h * np.eye(N * r)
     rate = np.vstack([slope, *moments[:N]])
-    derivative = sym(state.T @ P @ rate) + h**2 * (slope.T @ R @ slope)
-    derivative = derivative + block_diagonal(S, -S, *([np.zeros((N * n, N * n))] if N else []))
+    tail = [np.zeros((N * r, N * r))] if N else []
+    derivative = sym(state.T @ P @ rate) + h**2 * (channel.T @ R @ channel)
+    derivative = derivative + block_diagonal(Cd.T @ S @ Cd, -S, *tail)
     for k, moment in enumerate(moments):
         derivative = derivative - (2 * k + 1) * (moment.T @ R @ moment)
     functional = P + (1 / h) * block_diagonal(np.zeros((n, n)), *((2 * k + 1) * S for k in range(N)))
@@ -125,16 +133,49 @@ def first_failure(measure: Callable[[float], float], low: float, high: float, pr
     return float(brentq(measure, low, high, xtol=precision, rtol=1e-12))
 
 
-def bessel_legendre_delay(A: np.ndarray, Ad: np.ndarray, degree: int, low: float, high: float) -> float:
+def bessel_legendre_delay(A: np.ndarray, Bd: np.ndarray, Cd: np.ndarray, degree: int, low: float, high: float) -> float:
     """Largest constant delay up to which the condition of a degree holds, s.
 
-    The margin crosses zero so flatly that a solver's noise moves the crossing by up to 1e-5 of it.
+    The margin crosses zero so flatly that a solver's noise moves the crossing by up to 1e-5 of it. Where some part of
+    the system is stable whatever the delay, the margin stays at zero beyond the bound instead of crossing it: use
+    `proved_delay` there.
 
     Parameters
     ----------
-    A, Ad : ndarray, shape (n, n)
+    A, Bd, Cd : ndarray
+        As in `bessel_legendre`.
     degree : int
     low, high : float
         Delays at which it holds and fails, s.
     """
-    return first_failure(lambda h: -level(bessel_legendre(A, Ad, h, degree)).value, low, high)
+    return first_failure(lambda h: -level(bessel_legendre(A, Bd, Cd, h, degree)).value, low, high)
+
+
+def proved_delay(
+    blocks: Callable[[float], Sequence[Affine]], limit: float, relative: float = 1e-4
+) -> tuple[float, float]:
+    """Largest delay at which a checked point of a condition is found, by bisection below a limit.
+
+    Parameters
+    ----------
+    blocks : callable
+        Delay in s -> every matrix that is to be positive definite.
+    limit : float
+        Delay at which the condition cannot hold, s.
+    relative : float
+        Width of the final bracket.
+
+    Returns
+    -------
+    proved, tried : float
+        s; the condition is checked at `proved` (0 where it is nowhere), and no point was found at `tried`.
+    """
+    low, high = 0.0, limit
+    while high - low > relative * limit:
+        middle = (low + high) / 2
+        held = [Definite(f"block {i}", block) for i, block in enumerate(blocks(middle))]
+        if isinstance(solve(Program(subject_to=held, label="delay condition")), Solved):
+            low = middle
+        else:
+            high = middle
+    return low, high
