@@ -141,6 +141,7 @@ def test_mu_has_no_effect_on_the_least_gamma():
     assert least_gamma(replace(LOOP, mu=1.0)).value == pytest.approx(least_gamma(LOOP).value, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_largest_delay_lies_below_the_exact_margin_and_between_checked_points():
     limit = CRAFT.design_loop(K, L).quasi_polynomial.margin().delay
     value, feasible, infeasible = largest_delay(LOOP, 1.5, limit)
