@@ -1,10 +1,10 @@
 """Constant gain variations and the disk: another scaling on every arc of the circle |s + a| = b.
 
 For constant Delta the poles of (10) stay in the disk if they are in it for Delta = 0 and no pole meets the circle:
-it is enough that on every arc, for some diagonal D > 0, M(s)* D M(s) < D with M(s) = Cz (s I - A)^-1 H + Dw. On an arc,
-a finite piece of the circle, that follows from one matrix inequality with Hermitian P and Q >= 0 (generalised
-Kalman-Yakubovich-Popov lemma; T. Iwasaki, S. Hara, IEEE Trans. Automatic Control 50 (2005) 41-59). Only the upper half of
-the circle is needed, the data being real.
+it is enough that on every arc, for some diagonal D > 0, M(s)* D M(s) < D with M(s) = Cz (s I - A)^-1 H + Dw. On an
+arc, a finite piece of the circle, that follows from one matrix inequality with Hermitian P and Q >= 0 (generalised
+Kalman-Yakubovich-Popov lemma; T. Iwasaki, S. Hara, IEEE Trans. Automatic Control 50 (2005) 41-59). Only the upper
+half of the circle is needed, the data being real.
 """
 
 from dataclasses import dataclass

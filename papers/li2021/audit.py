@@ -84,7 +84,7 @@ def orbit(case: Case, results: Results) -> None:
 def open_loop(case: Case, results: Results) -> None:
     """Open-loop poles: near the origin, one in the right half plane, proved."""
     A = plant.rigid(plant.constants(case)).A
-    values, vectors = np.linalg.eig(A)
+    values = np.linalg.eigvals(A)
     results.quantity(
         "audit.open_loop.abscissa", float(values.real.max()), method="eigenvalues of A0", source="Figure 3"
     )
@@ -106,7 +106,7 @@ def open_loop(case: Case, results: Results) -> None:
 
 
 def unstable_witness(A: np.ndarray, alpha: float = 1e-6) -> tuple[np.ndarray, np.ndarray]:
-    """P with (A - alpha I)'P + P(A - alpha I) < 0 and a z with z'Pz < 0, for A with eigenvalues on both sides of alpha."""
+    """P of Lyapunov's inequality for A - alpha I and a z with z'Pz < 0, for eigenvalues on both sides of alpha."""
     P = solve_continuous_lyapunov((A - alpha * np.eye(len(A))).T, -np.eye(len(A)))
     P = (P + P.T) / 2
     return P, np.linalg.eigh(P)[1][:, 0]
@@ -234,7 +234,7 @@ def designs(case: Case, results: Results) -> None:
 
 @task("(6), small angles")
 def small_angles(case: Case, results: Results) -> None:
-    """Rigid nonlinear attitude (1)-(4) against the linear (5)-(6) under the proposed controller, from Table 1's start."""
+    """Rigid nonlinear attitude (1)-(4) against the linear (5)-(6) under the proposed controller."""
     k, gains = plant.constants(case), plant.controller(case, "proposed")
     J, n = np.array(k.inertia, dtype=float), k.orbital_rate
     rigid_only = plant.Constants(n, k.inertia, k.envelope, np.zeros((1, 3)), (1.0,), (0.0,))
@@ -259,7 +259,7 @@ def small_angles(case: Case, results: Results) -> None:
 
     for scale, name in ((1.0, "printed"), (4.0, "fourfold"), (12.0, "twelvefold")):
         results.quantity(f"audit.small_angle.{name}", gap(scale), source="(5), (6), Remark 1",
-                         method="largest angle difference over the largest initial angle, rigid, no disturbance")  # fmt: skip
+                         method="largest angle difference over the largest initial angle, no disturbance")  # fmt: skip
     results.say("(6), small angles", f"linear model off by {gap(1.0):.2%} of the start from Table 1's angles")
 
 
@@ -300,13 +300,13 @@ def random_gains(case: Case, results: Results) -> None:
             residual[name] = np.array(found)
             median = float(np.median(residual[name]))
             results.quantity(f"draws.{reading}.{name}.residual", min(median, 1e300), source="Figures 8 and 9",
-                             method=f"median over {len(found)} runs of the largest angle in the last 100 s")  # fmt: skip
+                             method=f"median over {len(found)} runs, largest angle in the last 100 s")  # fmt: skip
             results.quantity(f"draws.{reading}.{name}.diverged", float(np.mean(residual[name] > 1.0)),
                              method=f"share of {len(found)} runs with an angle above 1 rad in the last 100 s",
                              source="Figures 8 and 9")  # fmt: skip
         better = float(np.mean(residual["proposed"] < residual["comparison"]))
         results.quantity(f"draws.{reading}.proposed_smaller", better, source="Figures 8 and 9",
-                         method="share of the draws, common to both controllers, with the smaller residual")  # fmt: skip
+                         method="share of the common draws with the smaller residual")  # fmt: skip
         results.say(f"Figures 8 and 9, {reading}", f"proposed has the smaller residual in {better:.0%} of the draws")
 
 

@@ -21,7 +21,7 @@ CHANNELS = (
     ("Acl", "[[A0, B @ Cf], [Bf @ C, Af]]"),
     ("Bcl", "col(B, zeros(6, 3))"),
     ("Ccl", "row(C, zeros(3, 6))"),
-    ("H", "row(col(zeros(6, 6), Af), col(zeros(6, 3), Bf), col(B, zeros(6, 3)), col(-B, zeros(6, 3)), col(L, zeros(6, 12)))"),
+    ("H", "row(col(zeros(6, 6), Af), col(zeros(6, 3), Bf), Bcl, -Bcl, col(L, zeros(6, 12)))"),
     ("Wcl", "row(zeros(3, 3), XJ, zeros(3, 6))"),
     ("Cz", "col(dm * row(zeros(6, 6), eye(6)), dm * Ccl, dm * row(zeros(3, 6), Cf), Wcl @ Acl, row(K, zeros(12, 6)))"),
     ("Dw", "col(zeros(12, 27), Wcl @ H, zeros(12, 27))"),
@@ -34,7 +34,7 @@ CHANNELS = (
 PRINTED = (("Af", "printed('Af')"), ("Bf", "printed('Bf')"), ("Cf", "printed('Cf')"))
 COMPARISON = (("Af", "printed('Af39')"), ("Bf", "printed('Bf39')"), ("Cf", "printed('Cf39')"))
 FAITH = (
-    "That (10) with (9), Delta J, Delta D and Delta G is the linear fractional form given, Delta diagonal and at most one.",
+    "That (10) with (9), Delta J, Delta D and Delta G is the linear fractional form given, |Delta| <= 1.",
     "Generalised Kalman-Yakubovich-Popov lemma: on the arc cut off by a chord the inequality gives M* D M < D; as "
     "the arcs join from angle 0 to pi and the data are real, no pole meets the circle for any constant Delta.",
     "S-procedure for the norm and the torque, with d~ = 0 for the torque as in Lemma 4.",

@@ -82,7 +82,7 @@ def random_gains(name: str):
 def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw largest angle and norm of the torque of the printed gains and of our own."""
     left, right = panels(figure, ["Largest Euler angle [rad]", "Norm of the torque [N m]"], columns=2)
-    named = (("proposed", "printed", "nominal"), ("comparison", "[39]", "comparison"), ("repaired", "repaired", "axis_3"),
+    named = (("proposed", "printed", "nominal"), ("comparison", "[39]", "comparison"), ("repaired", "ours", "axis_3"),
              ("best", "largest variation", "perturbed"))  # fmt: skip
     for run, label, role in named:
         signal, size = logs[run]["/attitude/angles"], logs[run]["/wheels/torque_size"]
@@ -108,6 +108,7 @@ FIGURES = (
                random_gains("proposed"), 7.0),
     FigureSpec("figure_9", _runs("comparison"), "Figure 9: gains of [39] under random factors, three readings.",
                random_gains("comparison"), 7.0),
-    FigureSpec("random_repaired", _runs("repaired"), "The same draws with our repaired gains.", random_gains("repaired"), 7.0),
+    FigureSpec("random_repaired", _runs("repaired"), "The same draws with our repaired gains.",
+               random_gains("repaired"), 7.0),
     FigureSpec("designs", ("proposed", "comparison", "repaired", "best"), "Printed gains beside our own.", designs),
 )  # fmt: skip

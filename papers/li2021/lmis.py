@@ -1,8 +1,8 @@
 """The matrix inequalities of the paper, block names as printed; e, W0 and E are taken without their rows of zeros.
 
-Rows 1a and 1b are the two halves of the first block row of (13), 5a and 5b those of the fifth. The printed forms of (13),
-(15) and (17) are lost in part; what is missing is rebuilt from the congruence that leads to them, and where the text
-allows more than one reading each is built.
+Rows 1a and 1b are the two halves of the first block row of (13), 5a and 5b those of the fifth. The printed forms of
+(13), (15) and (17) are lost in part; what is missing is rebuilt from the congruence that leads to them, and where
+the text allows more than one reading each is built.
 """
 
 from dataclasses import dataclass
@@ -44,9 +44,9 @@ class Model:
 def lemma3_synthesis(model: Model, lam: float, gamma: float | None = None, eps1: float | None = None) -> Program:
     """(12) for all gains at once, by the change of variables of Scherer, Gahinet and Chilali (1997).
 
-    With P and its inverse partitioned as [[X, .], [., .]] and [[Y, .], [., .]], the congruence by [[Y, I], [V', 0]] makes
-    (12) linear in X, Y and transformed gains Ah, Bh, Ch. Nominal A; with eps1 the uncertainty Delta A = L Delta H K borders
-    the matrix as in (13).
+    With P and its inverse partitioned as [[X, .], [., .]] and [[Y, .], [., .]], the congruence by [[Y, I], [V', 0]]
+    makes (12) linear in X, Y and transformed gains Ah, Bh, Ch. Nominal A; with eps1 the uncertainty
+    Delta A = L Delta H K borders the matrix as in (13).
 
     Parameters
     ----------

@@ -169,7 +169,7 @@ def measure(prefix: str, wanted: Mapping[str, str]) -> Callable[[Case, Log], dic
         for key, quantity in wanted.items():
             value, other = log.extremes[key][1], log.summaries[f"second_{key}"]
             band = 2 * abs(value - other)
-            method = f"Magnus maps, {STEPS} steps a period, located on continuous time; band: twice the change at half the step"
+            method = f"Magnus maps, {STEPS} steps a period, continuous time; band: twice the change at half the step"
             found[f"{prefix}.{quantity}"] = Measured(value, method, value - band, value + band)
         return found
 
@@ -198,10 +198,12 @@ RUNS = (
         for name, about in ABOUTS.items()
     ),
     *(
-        RunSpec(f"{name}_{reading}", f"{ABOUTS[name].split(',')[0]}, factors 1 + U(0, 1), {text}", drawn(name, hold), nothing)
+        RunSpec(f"{name}_{reading}", f"{ABOUTS[name].split(',')[0]}, factors 1 + U(0, 1), {text}",
+                drawn(name, hold), nothing)
         for name in ("proposed", "comparison", "repaired")
         for reading, hold, text in (
-            ("constant", "constant", "drawn once"), ("slow", "1", "redrawn every second"), ("fast", "0.1", "redrawn every 0.1 s"),
+            ("constant", "constant", "drawn once"), ("slow", "1", "redrawn every second"),
+            ("fast", "0.1", "redrawn every 0.1 s"),
         )
     ),
 )  # fmt: skip
@@ -212,8 +214,8 @@ ABOUT = """# Attitude of a flexible microsatellite, Li 2021
 Body axes against LVLH, with two panels that bend with the modal coordinates (their shapes are ours: the paper gives
 none), and the control torque as an arrow.
 
-- **Angles and rates** (Figures 4 and 5): within a minute they come down to a small offset held by the constant part of the
-  disturbance.
+- **Angles and rates** (Figures 4 and 5): within a minute they come down to a small offset held by the constant part
+  of the disturbance.
 - **Torque** (Figure 6) with the bound u_max = 2 N m, dashed.
 - **Modal coordinates** (Figure 7): lightly damped, outside the disk that the reduced model keeps.
 - Runs named `_constant`, `_slow`, `_fast` draw the twelve gain factors from 1 + U(0, 1), once, every second or every
@@ -227,7 +229,8 @@ def _three(topic: str, fields) -> tuple[Line, ...]:
 
 LAYOUT = Layout("li2021", (
     Tab("Attitude", Columns(
-        Scene("Body axes against LVLH", "lvlh", elements=("satellite", "torque"), axes=("lvlh", "body"), eye=(4.0, 3.0, 2.0)),
+        Scene("Body axes against LVLH", "lvlh", elements=("satellite", "torque"), axes=("lvlh", "body"),
+              eye=(4.0, 3.0, 2.0)),
         Rows(
             Plot("Euler angles [rad]", _three("/attitude/angles", ANGLE_FIELDS)),
             Plot("Euler rates [rad/s]", _three("/attitude/rates", ANGLE_FIELDS)),
@@ -236,7 +239,8 @@ LAYOUT = Layout("li2021", (
         shares=(1, 1))),
     Tab("Appendages", Rows(
         Plot("Modal coordinates [kg^0.5 m]", _three("/modes/coordinates", MODE_FIELDS)),
-        Plot("Norm of the torque [N m]", (Line("/wheels/torque_size", "size", "norm", "magnitude"),), bounds=(Bound("torque", "u_max"),)),
+        Plot("Norm of the torque [N m]", (Line("/wheels/torque_size", "size", "norm", "magnitude"),),
+             bounds=(Bound("torque", "u_max"),)),
     )),
     Tab("Gain variation", Rows(
         Plot("Common gain variation [1]", (Line("/controller/variation", "delta", "delta", "perturbed"),)),

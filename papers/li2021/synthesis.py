@@ -1,4 +1,4 @@
-"""Synthesis of li2021: what its conditions can and cannot do, and controllers of ours certified for what it promised."""
+"""Synthesis of li2021: what its conditions can and cannot do, and controllers certified for what it promised."""
 
 from types import SimpleNamespace
 
@@ -11,7 +11,7 @@ from gainsay.lmi import Infimum, Solved, infimum, solve
 from gainsay.proof import build
 from gainsay.tables import Case
 from gainsay.tables.results import Results, task
-from papers.li2021 import arcs, certify, design, lmis, plant, proofs, robust
+from papers.li2021 import arcs, certify, design, identities, lmis, plant, proofs, robust
 
 #: shares of the limits of disk and norm found in floating point at which the certificate is made
 ROOM, ROOM_OF_NORM = 0.998, 0.992
@@ -31,23 +31,23 @@ def enclosed(program, where: str) -> Infimum:
 def factors(case: Case, results: Results) -> None:
     """Factorisations of Delta D and Delta G with the corrected factors, and what is misprinted."""
     for which in "DG":
-        results.certificate(proofs.factorisation(case, which))
+        results.certificate(identities.factorisation(case, which))
         results.quantity(f"factorisation.{which.lower()}", 1, method="polynomial identity in delta_1, delta_2, delta_3",
                          source="Section II.B")  # fmt: skip
-    results.certificate(proofs.misprint(
+    results.certificate(identities.misprint(
         case, "g0-parentheses", "G0(3,3) as printed, n^2 J20 - J10, is not n^2 (J20 - J10).",
         "n**2 * J2 - J1", "n**2 * (J2 - J1)", "misprint.g0",
     ))  # fmt: skip
-    results.certificate(proofs.misprint(
+    results.certificate(identities.misprint(
         case, "d0-third-row", "D0 as printed, with two rows, is not D(J0) of (6).",
         "n * (J1 + J3 - J2) * turn[0:2, 0:3]", "D0", "misprint.d0",
     ))  # fmt: skip
     padded = (("printed_third", "[[0, 1, 0, -1, 0, 0]]"),)
-    results.certificate(proofs.misprint(
+    results.certificate(identities.misprint(
         case, "gamma-d-third-row", "The third row of Gamma_D as printed, filled with zeros, is not the one needed.",
         "printed_third", "printed('GammaD').T[2:3, 0:6]", "misprint.gamma_d", padded,
     ))  # fmt: skip
-    results.certificate(proofs.misprint(
+    results.certificate(identities.misprint(
         case, "gamma-g-rows", "Gamma_G as printed has five rows and columns; Xi_G Delta_G Gamma_G needs 6x3.",
         "[[4, 0, 0, 1, 0], [0, 0, 1, -1, 0], [0, 0, 1, -1, 0], [0, 1, -1, 0, 0], [0, 1, 0, 0, 1]].T",
         "printed('GammaG')", "misprint.gamma_g",
@@ -61,9 +61,9 @@ def factors(case: Case, results: Results) -> None:
 def algebra(case: Case, results: Results) -> None:
     """The reduction (7), Lemma 2 by a completed square, and Lemma 1 with a negative mu."""
     wanted = (
-        proofs.reduction(case),
-        proofs.completed_square(case),
-        proofs.negative_multiplier(case),
+        identities.reduction(case),
+        identities.completed_square(case),
+        identities.negative_multiplier(case),
     )
     for certificate in wanted:
         results.certificate(certificate)
@@ -159,7 +159,7 @@ def least_gamma(case: Case, results: Results, lam: str, uncertain: bool, quantit
 
 @task("(12), all gains")
 def lemma3(case: Case, results: Results) -> None:
-    """Least gamma of Lemma 3 over all gains at lambda = 1, nominal and with Delta A; the band of lambda at gamma = 10."""
+    """Least gamma of Lemma 3 over all gains at lambda = 1, nominal and with Delta A."""
     nominal = least_gamma(case, results, "1", False, "lemma3.gamma_min", "eq12-gamma")
     uncertain = least_gamma(case, results, "1", True, "lemma3.gamma_min_uncertain", "eq12-gamma-uncertain")
     results.say("(12), all gains", f"least gamma {nominal:.6f}, with Delta A {uncertain:.6f} at lambda = 1")
@@ -171,7 +171,10 @@ def lambda_band(case: Case, results: Results) -> None:
     model, gamma = lmis.Model.of(case), case.number("gamma")
 
     def level(exponent: float) -> float:
-        return enclosed(lmis.pushed(lmis.lemma3_synthesis(model, 10.0**exponent, gamma)), "(12)").value
+        found = solve(lmis.pushed(lmis.lemma3_synthesis(model, 10.0**exponent, gamma)))
+        if not isinstance(found, Solved):
+            raise ComputationError("(12)", f"no margin at lambda = {10.0**exponent}", found.attempts)
+        return found.objective
 
     for end, (inside, outside) in {"low": (0.0, -0.6), "high": (1.0, 2.5)}.items():
         exponent = brentq(level, inside, outside, xtol=1e-3)
@@ -237,13 +240,13 @@ def certify_limit(case: Case, results: Results, name: str, gains, formulas, clai
     quantity = f"certified.{name}.delta_m"
     results.certificate(certify.certificate(
         case, f"{name}-delta-m", gains, formulas, evidence, quantity=quantity, claims=claims,
-        statement=f"The {name} gains meet disk, norm and torque together for gain variations up to dm, inertia included.",
+        statement=f"The {name} gains meet disk, norm and torque for gain variations up to dm, inertia included.",
     ))  # fmt: skip
     results.quantity(quantity, evidence.delta_m, source="requirements 1 to 3",
-                     method=f"certified; disk by {len(evidence.chain)} arcs, limit {found.disk:.5f}; norm and torque by one "
-                     f"quadratic function each, limit {found.norm:.5f}")  # fmt: skip
+                     method=f"certified; disk: {len(evidence.chain)} arcs, limit {found.disk:.5f}; norm and torque: "
+                     f"one quadratic function each, limit {found.norm:.5f}")  # fmt: skip
     results.quantity(f"{quantity}_quadratic", min(found.one_matrix, largest), source="requirements 1 to 3",
-                     method="one quadratic function for the disk too; least scaled norm over the circle equal to one")  # fmt: skip
+                     method="one quadratic function for the disk too; scaled norm on the circle is one")  # fmt: skip
     results.say("requirements 1 to 3", f"{name}: certified up to delta_m = {evidence.delta_m}")
 
 
@@ -298,5 +301,16 @@ def best(case: Case, results: Results) -> None:
 
 
 TASKS = (
-    factors, algebra, start_ellipsoid, theorem2, theorem1, lemma4, lemma3, lambda_band, printed_gains, printed_limit, repaired, best,
-)  # fmt: skip
+    factors,
+    algebra,
+    start_ellipsoid,
+    theorem2,
+    theorem1,
+    lemma4,
+    lemma3,
+    lambda_band,
+    printed_gains,
+    printed_limit,
+    repaired,
+    best,
+)

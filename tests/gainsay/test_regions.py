@@ -1,0 +1,51 @@
+"""Regions for poles: closed forms, certificates of membership, refusals."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gainsay.errors import InputError
+from gainsay.systems.regions import Disk, HalfPlane
+
+
+def test_closed_forms():
+    A = np.array([[-1.0, 2.0], [-2.0, -1.0]])  # eigenvalues -1 +- 2j
+    assert Disk(1.0, 3.0).reach(A) == pytest.approx(2.0)
+    assert HalfPlane().reach(A) == pytest.approx(-1.0)
+    assert Disk(1.0, 2.1).holds(A) and not Disk(1.0, 1.9).holds(A)
+    assert HalfPlane(-0.9).holds(A) and not HalfPlane(-1.1).holds(A)
+
+
+def test_stacks():
+    stack = np.stack([np.diag([-1.0, -2.0]), np.diag([-3.0, 0.5])])
+    assert np.allclose(Disk(1.0, 1.0).reach(stack), [1.0, 2.0])
+    assert np.allclose(HalfPlane().reach(stack), [-1.0, 0.5])
+
+
+@given(st.integers(0, 10_000))
+def test_lyapunov_matrices_prove(seed):
+    # law: the inequality of Stein (of Lyapunov) with P > 0 holds exactly where the eigenvalues are inside
+    A = np.random.default_rng(seed).standard_normal((4, 4))
+    disk = Disk(0.5, Disk(0.5, 1.0).reach(A) * 1.2 + 0.1)
+    P = disk.lyapunov_matrix(A)
+    moved = A + 0.5 * np.eye(4)
+    assert np.linalg.eigvalsh(P)[0] > 0
+    assert np.linalg.eigvalsh(moved.T @ P @ moved - disk.radius**2 * P)[-1] < 0
+    plane = HalfPlane(HalfPlane().reach(A) + 0.3)
+    P = plane.lyapunov_matrix(A)
+    shifted = A - plane.abscissa * np.eye(4)
+    assert np.linalg.eigvalsh(P)[0] > 0 and np.linalg.eigvalsh(shifted.T @ P + P @ shifted)[-1] < 0
+
+
+def test_refusals():
+    with pytest.raises(InputError, match="outside the disk"):
+        Disk(1.0, 0.5).lyapunov_matrix(np.eye(2))
+    with pytest.raises(InputError, match="outside the half plane"):
+        HalfPlane().lyapunov_matrix(np.eye(2))
+    with pytest.raises(InputError):
+        Disk(1.0, 0.0)
+    with pytest.raises(InputError):
+        Disk(1.0, 1.0).reach(np.ones((2, 3)))
+    with pytest.raises(InputError):
+        HalfPlane().reach(np.array([[np.nan]]))
