@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.verdicts.scan import Plausible, fractions, sample, scan
+from gainsay.verdicts.scan import Plausible, corners, fractions, sample, scan
 
 X = Plausible("x", "m", 0.0, 10.0)
 Y = Plausible("y", "1", 0.01, 100.0, logarithmic=True)
@@ -25,7 +25,9 @@ def test_boundary_of_a_known_threshold_is_located():
     turning = 3 / found.boundary.at[other]
     assert found.boundary.holds == pytest.approx(turning, rel=1e-3)
     assert found.boundary.holds * found.boundary.at[other] < 3 <= found.boundary.fails * found.boundary.at[other]
-    assert found.holding == sum(p["x"] * p["y"] < 3 for p in sample([X, Y, WORD], 256, 0))
+    points = [*sample([X, Y, WORD], 256, 0), *corners([X, Y, WORD])]
+    assert found.holding == sum(p["x"] * p["y"] < 3 for p in points)
+    assert found.samples == 256 + 8
 
 
 def test_a_choice_can_be_the_boundary():
@@ -79,6 +81,12 @@ def test_only_admissible_points_are_evaluated():
     assert found.outcome == "depends"
     with pytest.raises(InputError, match="hardly any"):
         run(evaluate, bool, admissible=lambda p: False)
+
+
+def test_a_corner_alone_can_break_a_claim():
+    # The share of the cube where x > 9.99 and y > 99 is below 1e-6: scattered points miss it, the corner does not.
+    found = run(lambda p: float(p["x"] > 9.99 and p["y"] > 99), lambda v: v == 0)
+    assert (found.outcome, found.samples - found.holding) == ("depends", 2)
 
 
 def test_a_broken_sample_breaks_the_scan():

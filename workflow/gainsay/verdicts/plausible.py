@@ -9,6 +9,7 @@ import math
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 from gainsay.errors import InputError
@@ -55,6 +56,11 @@ class Plausible:
         if self.logarithmic:
             return self.low * (self.high / self.low) ** fraction
         return self.low + fraction * (self.high - self.low)
+
+    @property
+    def ends(self) -> tuple[Any, Any]:
+        """The two ends of the range, or the first and last of the values."""
+        return (self.values[0], self.values[-1]) if self.values else (self.low, self.high)
 
     def fraction(self, value: Any) -> float:
         """Return the fraction of the range at which a value lies, the inverse of `at`."""
@@ -161,3 +167,20 @@ def sample(
             if len(points) == samples:
                 return points
     raise AssertionError("the sequence does not end")
+
+
+def corners(inputs: Sequence[Plausible], admissible: Callable[[Mapping], bool] | None = None) -> list[Point]:
+    """Return the admissible corners of the plausible values: every input at one of its ends.
+
+    What holds at scattered points often fails first in a corner, which no scattered point comes near in many
+    dimensions.
+
+    Raises
+    ------
+    InputError
+        With more than ten inputs.
+    """
+    if len(inputs) > len(_PRIMES):
+        raise InputError("inputs of a scan", value=len(inputs), expected=f"at most {len(_PRIMES)}")
+    points = [dict(zip((p.name for p in inputs), ends, strict=True)) for ends in product(*(p.ends for p in inputs))]
+    return [point for point in points if admissible is None or admissible(point)]

@@ -1,8 +1,9 @@
 """A claim over every plausible value of what a paper leaves out: sampled evenly, its boundary located by bisection.
 
-The samples are a Halton sequence, of low discrepancy, with a shift drawn from a seed. A claim that holds at every
-sample holds for every plausible input, one that fails at every sample fails; else two samples with different outcomes
-are joined by changing one input at a time, and the input at which the outcome turns is bisected.
+The samples are a Halton sequence, of low discrepancy, with a shift drawn from a seed, and the corners of the ranges. A
+claim that holds at every sample holds for every plausible input, one that fails at every sample fails; else two samples
+with different outcomes are joined by changing one input at a time, and the input at which the outcome turns is
+bisected.
 
 References
 ----------
@@ -15,9 +16,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.verdicts.plausible import Plausible, Point, fractions, plausible, sample
+from gainsay.verdicts.plausible import Plausible, Point, corners, fractions, plausible, sample
 
-__all__ = ["Boundary", "Plausible", "Point", "Scan", "fractions", "plausible", "sample", "scan"]
+__all__ = ["Boundary", "Plausible", "Point", "Scan", "corners", "fractions", "plausible", "sample", "scan"]
 
 #: fewest samples on which a verdict may rest
 LEAST_SAMPLES = 200
@@ -53,7 +54,7 @@ class Scan:
     claim, quantity : str
     inputs : tuple of Plausible
     samples, holding : int
-        Samples evaluated, and those at which the claim holds.
+        Points evaluated, scattered ones and corners, and those at which the claim holds.
     seed : int
     least, greatest : (float, Point)
         Smallest and largest value of the quantity with their inputs.
@@ -124,7 +125,7 @@ class Scan:
             "samples": self.samples,
             "holding": self.holding,
             "seed": self.seed,
-            "sequence": "Halton, seeded shift",
+            "sequence": "Halton, seeded shift; and the corners of the plausible values",
             "inputs": [p.to_json() for p in self.inputs],
             "smallest": self.least[0],
             "largest": self.greatest[0],
@@ -176,7 +177,7 @@ def scan(
     criterion : str
         What it means to hold, one phrase.
     samples : int
-        At least `LEAST_SAMPLES`.
+        At least `LEAST_SAMPLES`; the corners of the plausible values come beside them.
     seed : int
     admissible : callable, optional
         See `sample`.
@@ -202,7 +203,7 @@ def scan(
             raise ComputationError(claim, f"scan broke at {point}: the quantity is not a number")
         return value
 
-    points = sample(inputs, samples, seed, admissible)
+    points = [*sample(inputs, samples, seed, admissible), *corners(inputs, admissible)]
     found = [(value_at(point), point) for point in points]
     good = [pair for pair in found if holds(pair[0])]
     bad = [pair for pair in found if not holds(pair[0])]
