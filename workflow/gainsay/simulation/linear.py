@@ -1,0 +1,138 @@
+"""Exact responses of autonomous linear systems dx/dt = A x, with located extremes of their outputs.
+
+Constant and sinusoidal inputs are states of the system (`with_harmonics`), so that no input is interpolated and no
+integrator is needed: a state is a matrix exponential times the start.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from gainsay.errors import InputError
+
+
+@dataclass(frozen=True)
+class Peak:
+    """Largest modulus of an output: when, and the signed value."""
+
+    time: float
+    value: float
+
+
+class Response:
+    """Solution of dx/dt = A x from a start on 0..end, sampled at equal steps and exact between them.
+
+    Parameters
+    ----------
+    A : ndarray, shape (n, n)
+    start : ndarray, shape (n,)
+    end : float
+        s.
+    steps : int
+        Number of steps; every output is monotonic within one where extremes are to be found.
+
+    Attributes
+    ----------
+    time : ndarray, shape (steps + 1,)
+    states : ndarray, shape (steps + 1, n)
+    """
+
+    def __init__(self, A: np.ndarray, start: np.ndarray, end: float, steps: int) -> None:
+        self.A, self.end = np.asarray(A, dtype=float), float(end)
+        start = np.asarray(start, dtype=float)
+        if self.A.shape != (start.size, start.size):
+            raise InputError("start", value=start.shape, expected=f"shape ({self.A.shape[0]},)")
+        if not (end > 0 and steps >= 1):
+            raise InputError("response", value=(end, steps), expected="a positive end and at least one step")
+        self.time = np.linspace(0.0, self.end, steps + 1)
+        self.states = np.empty((steps + 1, start.size))
+        self.states[0] = start
+        # Doubling: rows filled so far times the exponential over their span give as many rows again.
+        filled, span = 1, expm(self.A * self.end / steps)
+        while filled <= steps:
+            more = min(filled, steps + 1 - filled)
+            self.states[filled : filled + more] = self.states[:more] @ span.T
+            filled += more
+            span = span @ span
+
+    def at(self, time: float) -> np.ndarray:
+        """State at any time of 0..end, by the exponential from the sample before it."""
+        index = int(np.clip(time / self.end * (len(self.time) - 1), 0, len(self.time) - 1))
+        return expm(self.A * (time - self.time[index])) @ self.states[index]
+
+    def peak(self, output: np.ndarray) -> Peak:
+        """Locate the largest modulus of a linear output c x over continuous time.
+
+        Parameters
+        ----------
+        output : ndarray, shape (n,)
+            c.
+
+        Returns
+        -------
+        Peak
+        """
+        values = self.states @ output
+        slopes = self.states @ (self.A.T @ output)
+        best = int(np.argmax(np.abs(values)))
+        found = Peak(float(self.time[best]), float(values[best]))
+        turns = np.flatnonzero(slopes[:-1] * slopes[1:] < 0)
+        # Only a turn next to a sample of nearly the largest value can hold a larger one.
+        order = turns[np.argsort(-np.maximum(np.abs(values[turns]), np.abs(values[turns + 1])))][:8]
+        for i in order:
+            time = brentq(lambda t: float(output @ self.A @ self.at(t)), self.time[i], self.time[i + 1], xtol=1e-12)
+            value = float(output @ self.at(time))
+            if abs(value) > abs(found.value):
+                found = Peak(float(time), value)
+        return found
+
+    def last_above(self, output: np.ndarray, level: float) -> float:
+        """Time after which |c x| stays below a level up to the end; the end itself where it never settles."""
+        values = np.abs(self.states @ output)
+        above = np.flatnonzero(values >= level)
+        if len(above) == 0:
+            return 0.0
+        i = int(above[-1])
+        if i == len(values) - 1:
+            return self.end
+        return float(
+            brentq(lambda t: abs(float(output @ self.at(t))) - level, self.time[i], self.time[i + 1], xtol=1e-10)
+        )
+
+
+def with_harmonics(
+    A: np.ndarray, shape: np.ndarray, rates: Sequence[float], amplitude: float, constant: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Append sum of amplitude * sin(rate t) plus a constant as states that drive the system through `shape`.
+
+    Parameters
+    ----------
+    A : ndarray, shape (n, n)
+    shape : ndarray, shape (n,)
+        How the scalar signal enters.
+    rates : sequence of float
+        rad/s.
+    amplitude, constant : float
+
+    Returns
+    -------
+    A : ndarray, shape (n + 2 len(rates) + 1,) * 2
+        The further states are sin, cos of every rate, then one.
+    start : ndarray
+        Start of the further states at time 0.
+    """
+    n, k = A.shape[0], len(rates)
+    whole = np.zeros((n + 2 * k + 1, n + 2 * k + 1))
+    whole[:n, :n] = A
+    start = np.zeros(2 * k + 1)
+    for i, rate in enumerate(rates):
+        s = n + 2 * i
+        whole[s, s + 1], whole[s + 1, s] = rate, -rate
+        whole[:n, s] = amplitude * shape
+        start[2 * i + 1] = 1.0
+    whole[:n, -1] = constant * shape
+    start[-1] = 1.0
+    return whole, start
