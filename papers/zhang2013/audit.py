@@ -8,6 +8,7 @@ import numpy as np
 from flint import fmpq
 
 from gainsay.errors import ComputationError
+from gainsay.lmi import Program, block_diagonal, sym, symmetric
 from gainsay.proof.build import certificate
 from gainsay.systems.delay import DelayMargin, DelaySystem
 from gainsay.systems.delay_bounds import bessel_legendre, bessel_legendre_delay, proved_delay
@@ -18,6 +19,7 @@ from gainsay.verdicts.scan import plausible, scan
 from papers.zhang2013 import certificates as prove
 from papers.zhang2013 import derivations, flight
 from papers.zhang2013.bounds import Structured, flexible_point, largest_delay, least_gamma, lifted, point_at
+from papers.zhang2013.design import farkas_multipliers
 from papers.zhang2013.formulas import PLANT
 from papers.zhang2013.plant import MODES, Spacecraft
 from papers.zhang2013.theorem1 import Delayed, Functional, channel_blocks, theorem1
@@ -223,6 +225,21 @@ def flexible(case: Case, results: Results) -> None:
         results.quantity(quantity, 1, method="exact feasible point of (9)", source="(1), (4), (6), (9)")
 
 
+@task("(25), flexible plant")
+def structure(case: Case, results: Results) -> None:
+    """The block-diagonal structure of (25) cannot prove the flexible loop stable, not even without delay."""
+    craft, K, L = printed(case)
+    loop = craft.flexible_loop(K, L, "paper")
+    P11, P12 = symmetric("P11", 6), symmetric("P12", 1)
+    decrease = (sym(block_diagonal(P11, P12) @ (loop.A + loop.A1)) < 0).named("decrease")
+    program = Program(subject_to=[decrease, (P11 > 0).named("P11"), (P12 > 0).named("P12")], label="(25) flexible")
+    multipliers = farkas_multipliers(program, 1e-6)
+    quantity = "flexible.block_diagonal_lyapunov"
+    results.certificate(prove.no_block_diagonal_lyapunov(case, "printed('K')", "printed('L')", multipliers, quantity))
+    results.quantity(quantity, 0, method="exact Farkas multipliers", source="(1), (4), (6), (25)")
+    results.say("(25), flexible plant", "no block-diagonal Lyapunov matrix without delay, Farkas certificate checked")
+
+
 @task("LMI delay bounds, flexible plant")
 def flexible_bounds(case: Case, results: Results) -> None:
     """Constant and varying delays that LMIs prove for the flexible loop, against its exact margins."""
@@ -298,4 +315,4 @@ def figures(case: Case, results: Results) -> None:
     results.say("Figures 1 to 3", f"{len(seen)} plausible readings simulated")
 
 
-TASKS = (*derivations.TASKS, orbit, figures, poles, delay_margin, norm, analysis, flexible, flexible_bounds)
+TASKS = (*derivations.TASKS, orbit, figures, poles, delay_margin, norm, analysis, flexible, structure, flexible_bounds)

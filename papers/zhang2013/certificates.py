@@ -244,6 +244,30 @@ def theorem1(
     )
 
 
+def no_block_diagonal_lyapunov(case, K: str, L: str, multipliers: Mapping, quantity: str) -> Certificate:
+    """Without delay the flexible loop has no Lyapunov matrix diag(plant, observer), the structure of P1 in (25)."""
+    return farkas(
+        id="flexible-block-diagonal",
+        paper=PAPER,
+        tables=case,
+        statement="No block-diagonal Lyapunov matrix diag(P11, P12) proves the flexible loop stable without delay.",
+        definitions=[*FLEXIBLE, *flexible_loop(K, L)],
+        unknowns={
+            "P11": {"shape": [6, 6], "structure": "symmetric"},
+            "P12": {"shape": [1, 1], "structure": "symmetric"},
+        },
+        multipliers=multipliers,
+        fields={
+            "constraints": [
+                ["decrease", "sym(diag(P11, P12) @ (A_bar + A_d)) < 0"],
+                ["P11", "P11 > 0"],
+                ["P12", "P12 > 0"],
+            ]
+        },
+        quantities={"feasible": quantity},
+    )
+
+
 def abscissa(case, name: str, matrix: str, definitions: Sequence, quantity: str, statement: str) -> Certificate:
     """Enclosure of a spectral abscissa."""
     return certificate(

@@ -185,7 +185,7 @@ def repaired_gains(craft: Spacecraft, K: np.ndarray, L: np.ndarray, d_M: float) 
 
 
 def farkas_multipliers(program: Program, push: float = 1e-10) -> dict[str, np.ndarray]:
-    """Multipliers under which the constraints of an infeasible program sum to a negative constant.
+    """Multipliers under which the constraints of an infeasible program sum to a constant that is not positive.
 
     Solves the alternative directly: Z_k >= push I of total trace one, free of unknowns, of least constant. Near the
     boundary of infeasibility this is far better conditioned than reading multipliers off a failed primal.
@@ -205,6 +205,6 @@ def farkas_multipliers(program: Program, push: float = 1e-10) -> dict[str, np.nd
     total = equal(sum((trace(z) for z in Z), affine(0.0)), 1.0, "total trace")
     cone = [(z >= push * np.eye(z.shape[0])).named(z.name) for z in Z]
     found = solve(Program(minimise=value, subject_to=[*free, total, *cone], label=f"alternative of {program.label}"))
-    if not isinstance(found, Solved) or not found.objective < 0:
+    if not isinstance(found, Solved) or found.objective > 0:
         raise ComputationError(program.label, "no multipliers of infeasibility found", found.attempts)
     return {row.constraint.label: found[z.name] for row, z in rows}
