@@ -184,11 +184,16 @@ def repaired_gains(craft: Spacecraft, K: np.ndarray, L: np.ndarray, d_M: float) 
     return candidate(low)
 
 
-def farkas_multipliers(program: Program, push: float = 1e-10) -> dict[str, np.ndarray]:
+PUSHES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
+"""Least eigenvalues asked of Farkas multipliers, widest first: room for rounding them to exact ones."""
+
+
+def farkas_multipliers(program: Program) -> dict[str, np.ndarray]:
     """Multipliers under which the constraints of an infeasible program sum to a constant that is not positive.
 
-    Solves the alternative directly: Z_k >= push I of total trace one, free of unknowns, of least constant. Near the
-    boundary of infeasibility this is far better conditioned than reading multipliers off a failed primal.
+    Solves the alternative directly: Z_k >= push I of total trace one, free of unknowns, of least constant, for the
+    widest of `PUSHES` that allows it. Near the boundary of infeasibility this is far better conditioned than reading
+    multipliers off a failed primal.
 
     Raises
     ------
@@ -203,8 +208,11 @@ def farkas_multipliers(program: Program, push: float = 1e-10) -> dict[str, np.nd
     ]
     value = sum((trace(row.constant @ z) for row, z in rows), affine(0.0))
     total = equal(sum((trace(z) for z in Z), affine(0.0)), 1.0, "total trace")
-    cone = [(z >= push * np.eye(z.shape[0])).named(z.name) for z in Z]
-    found = solve(Program(minimise=value, subject_to=[*free, total, *cone], label=f"alternative of {program.label}"))
-    if not isinstance(found, Solved) or found.objective > 0:
-        raise ComputationError(program.label, "no multipliers of infeasibility found", found.attempts)
-    return {row.constraint.label: found[z.name] for row, z in rows}
+    attempts: list[dict] = []
+    for push in PUSHES:
+        cone = [(z >= push * np.eye(z.shape[0])).named(z.name) for z in Z]
+        found = solve(Program(minimise=value, subject_to=[*free, total, *cone], label=f"alternative, {program.label}"))
+        attempts += found.attempts
+        if isinstance(found, Solved) and found.objective <= 0:
+            return {row.constraint.label: found[z.name] for row, z in rows}
+    raise ComputationError(program.label, "no multipliers of infeasibility found", attempts)
