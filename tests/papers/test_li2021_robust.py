@@ -71,9 +71,25 @@ def test_design_gradient(case, gains):
     assert slope == pytest.approx(difference, rel=1e-5)
 
 
+def test_one_arc_holds_pointwise(case, gains):
+    a, b, first, last = 1.01, 1.0, 0.75, 0.85
+    form = form_at(case, gains, 0.05)
+    _, scale = arcs.best_scaling(form.response(-a + b * np.exp(0.8j)))
+    arc = arcs.certify(form, a, b, (arcs.node(first), arcs.node(last)), scale)
+    D = np.diag(arc.multipliers[robust.OF_CHANNEL])
+    assert (
+        np.linalg.eigvalsh(arcs.matrix(form, a, b, (arc.first, arc.last), arc.multipliers, arc.weight, arc.P))[-1] < 0
+    )
+    for angle in np.linspace(first + 1e-5, last - 1e-5, 7):
+        M = form.response(-a + b * np.exp(1j * angle))
+        # law: the certificate says M* D M < D on its arc
+        assert np.linalg.eigvalsh(M.conj().T @ D @ M - D)[-1] < 0
+
+
+@pytest.mark.slow
 def test_arcs_cover_and_hold_pointwise(case, gains):
     a, b = 1.01, 1.0
-    form = form_at(case, gains, 0.02)
+    form = form_at(case, gains, 0.05)
     chain = arcs.cover(form, a, b)
     assert chain[0].first == arcs.node(0.0) and chain[-1].last == arcs.node(np.pi)
     for one, following in pairwise(chain):
@@ -109,7 +125,7 @@ def test_cover_refuses_what_a_sample_breaks(case):
 
 def test_shared_scaling_bounds_the_pointwise_one(case, gains):
     form = form_at(case, gains, 0.05)
-    points = -1.01 + np.exp(1j * np.linspace(0, np.pi, 9))
+    points = -1.01 + np.exp(1j * np.linspace(0, np.pi, 4))
     responses = np.array([form.response(z) for z in points])
     common, _ = robust.shared_scaling(responses)
     assert common >= max(arcs.best_scaling(M)[0] for M in responses) - 1e-3
