@@ -51,7 +51,7 @@ def _readme(root: Path) -> str:
     for paper in paper_names(root):
         case = read_case(root, paper)
         verdicts = Counter(claim.expected for claim in case.claims.values())
-        title = f"[{paper}](https://doi.org/{case.paper.doi})"
+        title = f"[{paper}](https://doi.org/{case.paper.doi})" if case.paper.doi else paper
         counts.append(f"| {title} | {len(case.claims)} | {' | '.join(str(verdicts[v]) for v in shown)} |")
         against += [
             f"| {paper} | {claim.where} | {claim.statement} | {claim.expected} |"

@@ -140,7 +140,9 @@ class PaperFile(BaseModel):
     authors: list[Filled] = Field(min_length=1, description="authors as published")
     journal: Filled = Field(description="journal")
     year: int = Field(ge=1900, le=2100, description="year of publication")
-    doi: Annotated[str, StringConstraints(pattern=r"^10\.\d{4,9}/\S+$")] = Field(description="DOI without resolver")
+    doi: Annotated[str, StringConstraints(pattern=r"^(10\.\d{4,9}/\S+)?$")] = Field(
+        default="", description="DOI without resolver; empty where the text at hand gives none"
+    )
     designs: dict[Slug, Filled] = Field(default={}, description="designs that synthesis makes: name and what it is")
     runs: dict[Slug, Filled] = Field(description="simulated runs: name and what is simulated")
     figures: dict[Slug, Filled] = Field(description="figures: name and caption")
