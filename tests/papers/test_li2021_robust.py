@@ -86,6 +86,29 @@ def test_one_arc_holds_pointwise(case, gains):
         assert np.linalg.eigvalsh(M.conj().T @ D @ M - D)[-1] < 0
 
 
+def test_arc_matrix_is_the_form_it_stands_for(case, gains):
+    # identity: on the circle P cancels, and Q enters with a weight that is not negative between the nodes only
+    a, b, weight = 1.01, 1.0, 3.0
+    form, d = form_at(case, gains, 0.05), np.exp(0.2 * RNG.standard_normal(25))
+    P = RNG.standard_normal((12, 12)) + 1j * RNG.standard_normal((12, 12))
+    ends = (arcs.node(0.6), arcs.node(0.9))
+    D = np.diag(d[robust.OF_CHANNEL])
+    N = arcs.matrix(form, a, b, ends, d, weight, P + P.conj().T)
+    for angle, sign in ((0.61, 1), (0.75, 1), (0.89, 1), (0.5, -1), (1.0, -1), (-0.75, -1), (2.5, -1)):
+        z = np.exp(1j * angle)
+        w = RNG.standard_normal(27) + 1j * RNG.standard_normal(27)
+        x = np.linalg.solve((-a + b * z) * np.eye(12) - form.A, form.H @ w)
+        M, v = form.response(-a + b * z), np.concatenate([x, w])
+        rest = (v.conj() @ N @ v - w.conj() @ (M.conj().T @ D @ M - D) @ w).real
+        core = np.linalg.norm(np.sqrt(np.diag(D)) * (form.Cz @ x)) ** 2
+        assert np.sign(rest) == sign
+        # closed form of the weight: 2 |n| (cos of the distance to the middle of the arc - cos of its half width)
+        half = 0.15
+        assert rest / (weight * core) == pytest.approx(
+            4 * np.cos(half) * (np.cos(angle - 0.75) - np.cos(half)), rel=1e-4
+        )
+
+
 @pytest.mark.slow
 def test_arcs_cover_and_hold_pointwise(case, gains):
     a, b = 1.01, 1.0
