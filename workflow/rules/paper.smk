@@ -23,6 +23,7 @@ for paper in PAPERS:
             f"{paper}_audit"
         input:
             tables=tables(paper),
+            designs=parts(paper, "synthesis"),
             code=sources(paper, "synthesis", "runs", "figures"),
             library=library("audit", "logs", "figures", "report"),
         output:
