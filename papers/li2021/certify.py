@@ -54,6 +54,7 @@ class Evidence:
     ----------
     delta_m : float
     chain : list of arcs.Arc
+        Arcs from angle 0 to pi, or one entry of weight zero: one P for the whole circle.
     form : robust.Loop
         The balanced loop that the arcs belong to.
     norm, torque : tuple of ndarray
@@ -103,10 +104,21 @@ def back(form: robust.Loop, P: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, n
     return robust.original(form, {"P": P, **{f"d{i}": x for i, x in enumerate(d)}})
 
 
-def gather(case, gains, delta_m: float) -> Evidence:
-    """Solve all three conditions at a gain variation; raises ComputationError where one cannot be met."""
+def gather(case, gains, delta_m: float, one_matrix: bool = False) -> Evidence:
+    """Solve all three conditions at a gain variation; raises ComputationError where one cannot be met.
+
+    With ``one_matrix`` the disk is shown by one P and one D for the whole circle.
+    """
     form = robust.loop(plant.constants(case), gains, delta_m).balanced()
-    chain = arcs.cover(form, case.number("disk_centre"), case.number("disk_radius"))
+    a, b = case.number("disk_centre"), case.number("disk_radius")
+    if one_matrix:
+        responses = np.array([form.response(-a + b * np.exp(1j * t)) for t in np.linspace(0, np.pi, 61)])
+        ends = (arcs.node(0.0), arcs.node(np.pi))
+        chain = [arcs.certify(form, a, b, ends, robust.shared_scaling(responses)[1], weights=(0,))]
+        if chain[0] is None:
+            raise ComputationError("disk region", f"no single P at delta_m {delta_m}")
+    else:
+        chain = arcs.cover(form, a, b)
     torque, bound = torque_evidence(case, gains, delta_m)
     if bound >= case.number("u_max"):
         raise ComputationError("torque", f"bound {bound:.4f} N m at delta_m {delta_m}, u_max expected")
@@ -168,6 +180,16 @@ def certificate(
         ["torque, start", "x0.T @ Pt @ x0 <= number('u_max')**2"],
     ]  # fmt: skip
     for i, arc in enumerate(evidence.chain):
+        if len(evidence.chain) == 1 and arc.weight == 0:
+            P, d = arc.original(evidence.form)
+            point |= {"m0": _diagonal(d), "Pd": P.real}
+            unknowns |= {"m0": multipliers, **symmetric(Pd=12)}
+            definitions.append(("Da0", _spread("m0")))
+            constraints += [
+                ["disk", "V.T @ Pd @ V - U.T @ Pd @ U + Z.T @ Da0 @ Z - diag(zeros(12, 12), Da0) < 0"],
+                ["disk, P", "Pd > 0"], ["disk, D", "m0 > 0"],
+            ]  # fmt: skip
+            break
         P, d = arc.original(evidence.form)
         point |= {f"m{i}": _diagonal(d), f"w{i}": arc.weight, f"P{i}": P.real, f"R{i}": P.imag}
         unknowns |= {f"m{i}": multipliers, f"w{i}": {}, **symmetric(**{f"P{i}": 12})}
