@@ -334,3 +334,19 @@ def lemma3_feasible(case, name: str, values: Mapping, lam: str, end: str) -> Cer
         point={**{key: values[key] for key in unknowns}, "lam": float(lam)},
         quantities={"objective": f"lemma3.lambda_{end}"},
     )
+
+
+def lemma3_infeasible(case, name: str, multiplier: np.ndarray, lam: str, quantity: str) -> Certificate:
+    """(12) has no solution over all gains at the paper's gamma and one lambda outside the band."""
+    unknowns = {key: value for key, value in LEMMA3_UNKNOWNS.items() if key != "g2"}
+    return build.farkas(
+        id=name,
+        paper=case.name,
+        tables=case,
+        statement=f"(12) has no solution over all gains at lambda = {lam} and the paper's gamma.",
+        definitions=(*PLANT, *UNCERTAIN),
+        unknowns=unknowns,
+        fields={"constraints": [["(12)", f"{lemma3_blocks(lam, 'number(' + repr('gamma') + ')**2')} < 0"]]},
+        multipliers={"(12)": multiplier},
+        quantities={"feasible": quantity},
+    )

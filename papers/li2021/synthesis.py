@@ -186,7 +186,16 @@ def lambda_band(case: Case, results: Results) -> None:
         if not isinstance(found, Solved):
             raise ComputationError("(12)", f"no point at lambda = {near}", found.attempts)
         results.certificate(proofs.lemma3_feasible(case, f"eq12-lambda-{end}", found.values, near, end))
-    results.say("(12), band of lambda", "feasible at the paper's gamma on a band of lambda, points near both ends")
+        beyond = f"{lam * (0.98 if end == 'low' else 1.02):.4g}"
+        outside = enclosed(lmis.pushed(lmis.lemma3_synthesis(model, float(beyond), gamma)), "(12)")
+        quantity = f"lemma3.feasible_beyond_{end}"
+        results.certificate(proofs.lemma3_infeasible(
+            case, f"eq12-lambda-beyond-{end}", outside.multipliers["(12)"], beyond, quantity))  # fmt: skip
+        results.quantity(quantity, 0, method=f"Farkas multipliers at lambda = {beyond}", source="(12)")
+    results.say(
+        "(12), band of lambda",
+        "feasible at the paper's gamma on a band of lambda, points inside and proofs outside both ends",
+    )
 
 
 @task("(12), printed gains")
