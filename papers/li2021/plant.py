@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from gainsay.dynamics.flexible import FlexibleBody
 from gainsay.errors import InputError
 
 SHAPES = {"A": (6, 6), "B": (6, 3), "C": (3, 6)}
@@ -107,12 +108,6 @@ def inverse(M: np.ndarray) -> np.ndarray:
     return C / sum(M[0, k] * C[k, 0] for k in range(3))
 
 
-def _printed_gravity_gradient(n, J) -> np.ndarray:
-    g = gravity_gradient(n, J)
-    g[2, 2] = n * n * J[1] - J[0]  # G0(3,3) as printed: "n^2 J20 - J10", the parentheses are missing
-    return g
-
-
 def uncertainty_factors(k: Constants) -> SimpleNamespace:
     """Factors of Delta J, Delta D, Delta G with the corrected Gamma_D and Gamma_G.
 
@@ -155,7 +150,7 @@ def rigid(k: Constants, delta=(0, 0, 0)) -> SimpleNamespace:
 
 
 def uncertain(k: Constants) -> SimpleNamespace:
-    """Factors of (7): Delta A = L Delta H K, E and W0, without their rows and columns of zeros kept apart.
+    """Factors of (7): Delta A = L Delta H K, E and W0, at their printed sizes.
 
     Returns
     -------
@@ -185,8 +180,6 @@ def flexible(k: Constants, delta=(0, 0, 0)) -> SimpleNamespace:
     -----
     The mass matrix [[J, F^T], [F, I]] is inverted by its Schur complement J - F^T F.
     """
-    from gainsay.dynamics.flexible import FlexibleBody
-
     n = k.orbital_rate
     J = tuple(j + e * d for j, e, d in zip(k.inertia, k.envelope, delta, strict=True))
     body = FlexibleBody(
