@@ -194,12 +194,11 @@ ABOUTS = {
 }
 RUNS = (
     *(
-        RunSpec(name, about, periodic(name), measure(f"audit.{name}", ALL))
+        RunSpec(name, periodic(name), measure(f"audit.{name}", ALL))
         for name, about in ABOUTS.items()
     ),
     *(
-        RunSpec(f"{name}_{reading}", f"{ABOUTS[name].split(',')[0]}, factors 1 + U(0, 1), {text}",
-                drawn(name, hold), nothing)
+        RunSpec(f"{name}_{reading}", drawn(name, hold), nothing)
         for name in ("proposed", "comparison", "repaired")
         for reading, hold, text in (
             ("constant", "constant", "drawn once"), ("slow", "1", "redrawn every second"),

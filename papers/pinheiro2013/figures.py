@@ -92,7 +92,6 @@ FIGURES = (
     *(
         FigureSpec(
             f"figure_{number}", _runs("release", _EXTREMES),
-            f"Figure {number}: {name} angle with uncertainty of the inertia (dashed) and without.",
             uncertainty(name, _EXTREMES), 3.2,
         )
         for number, name in enumerate(NAMES, start=6)
@@ -100,14 +99,13 @@ FIGURES = (
     *(
         FigureSpec(
             f"figure_{number}", _runs("release"),
-            f"Figure {number}: control torque of the {name} axis.", control(name), 3.2,
+            control(name), 3.2,
         )
         for number, name in enumerate(NAMES, start=9)
     ),
     *(
         FigureSpec(
-            f"figure_{number}", _runs("disturbed"), f"Figure {number}: {name} angle under the external torques (25).",
-            external(name), 3.2,
+            f"figure_{number}", _runs("disturbed"), external(name), 3.2,
         )
         for number, name in enumerate(NAMES, start=12)
     ),

@@ -216,15 +216,12 @@ def measure_disturbed(reconstructed: str, design: str):
 
 def _specs():
     for name in RECONSTRUCTIONS:
-        for design, (_, gamma) in DESIGNS.items():
-            told = f"gamma = {gamma}, reconstruction {name.upper()}"
+        for design in DESIGNS:
             yield RunSpec(
-                f"{name}_{design}_release", f"release at 0.6 deg/s on every axis, {told}",
-                release(name, design), measure_release(name, design),
+                f"{name}_{design}_release", release(name, design), measure_release(name, design),
             )  # fmt: skip
             yield RunSpec(
-                f"{name}_{design}_disturbed", f"torques (25) on every axis from rest, {told}",
-                disturbed(name, design), measure_disturbed(name, design),
+                f"{name}_{design}_disturbed", disturbed(name, design), measure_disturbed(name, design),
             )  # fmt: skip
 
 

@@ -83,12 +83,12 @@ def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
 
 
 FIGURES = (
-    FigureSpec("figure_2", ("nominal",), "Figure 2: velocity components of the error vector.", estimation_error),
-    FigureSpec("figure_3", ("nominal",), "Figure 3: relative velocities along each axis.", velocities),
-    FigureSpec("figure_4", ("nominal",), "Figure 4: thrusts with their bounds (5); left the first 20 s.", thrusts, 5.0),
-    FigureSpec("figure_5", ("nominal",), "Figure 5: rendezvous trajectory of the first 3000 s.", trajectory),
+    FigureSpec("figure_2", ("nominal",), estimation_error),
+    FigureSpec("figure_3", ("nominal",), velocities),
+    FigureSpec("figure_4", ("nominal",), thrusts, 5.0),
+    FigureSpec("figure_5", ("nominal",), trajectory),
     FigureSpec("starts", ("nominal", "exact_start", "blind_start"),
-               "What the paper leaves out decides: thrust along y under three starts of the estimate.", starts),
+               starts),
     FigureSpec("designs", ("nominal", "repaired", "lqr"),
-               "The printed controller beside our repaired design and a linear-quadratic regulator.", designs),
+               designs),
 )  # fmt: skip

@@ -159,22 +159,14 @@ def designed(name: str) -> Callable[..., None]:
 
 
 RUNS = (
-    RunSpec("nominal", "printed K and L, two-body plant, estimate starts at the measured position",
-            printed("measured_position"), measure("audit", (*FULL, "final_speed", "error_settling"))),
-    RunSpec("exact_start", "printed K and L, two-body plant, estimate starts at the true state",
-            printed("exact"), measure("audit.exact_start", FULL)),
-    RunSpec("blind_start", "printed K and L, two-body plant, estimate starts at zero, thrust as commanded",
-            printed("zero"), measure("audit.blind_start", FULL)),
-    RunSpec("blind_start_clipped", "printed K and L, two-body plant, estimate starts at zero, thrust clipped at (5)",
-            printed("zero", clipped=True), measure("audit.blind_start_clipped", FULL)),
-    RunSpec("linear", "printed K and L, plant (1), estimate starts at the measured position",
-            printed("measured_position", linear=True), measure("audit.linear", FULL)),
-    RunSpec("resynthesised", "K of the sub-problem solved again, printed L, two-body plant",
-            designed("resynthesised"), measure("run.resynthesised", FULL)),
-    RunSpec("repaired", "our certified design, two-body plant, same start and limits",
-            designed("repaired"), measure("run.repaired", FULL)),
-    RunSpec("lqr", "linear-quadratic regulator at the thrust limit, printed L, two-body plant",
-            designed("lqr"), measure("run.lqr", FULL)),
+    RunSpec("nominal", printed("measured_position"), measure("audit", (*FULL, "final_speed", "error_settling"))),
+    RunSpec("exact_start", printed("exact"), measure("audit.exact_start", FULL)),
+    RunSpec("blind_start", printed("zero"), measure("audit.blind_start", FULL)),
+    RunSpec("blind_start_clipped", printed("zero", clipped=True), measure("audit.blind_start_clipped", FULL)),
+    RunSpec("linear", printed("measured_position", linear=True), measure("audit.linear", FULL)),
+    RunSpec("resynthesised", designed("resynthesised"), measure("run.resynthesised", FULL)),
+    RunSpec("repaired", designed("repaired"), measure("run.repaired", FULL)),
+    RunSpec("lqr", designed("lqr"), measure("run.lqr", FULL)),
 )  # fmt: skip
 
 

@@ -76,31 +76,26 @@ FIGURES = (
     FigureSpec(
         "figure_1",
         ("nominal", "input_delayed_matched", "no_observer"),
-        "Figure 1: attitude angle, in two readings of the text and without the observer.",
         angle,
     ),
     FigureSpec(
         "figure_2",
         ("nominal", "input_delayed_matched", "no_observer"),
-        "Figure 2: attitude angle rate, in two readings of the text and without the observer.",
         rate,
     ),
     FigureSpec(
         "figure_3",
         ("nominal", "input_delayed_matched"),
-        "Figure 3: error of the estimated elastic vibration torque, in two readings of the text.",
         estimation,
     ),
     FigureSpec(
         "designs",
         ("nominal", "repaired", "resynthesised"),
-        "The printed controller beside our repaired design and the least-squares solution of Theorem 2.",
         designs,
     ),
     FigureSpec(
         "refused",
         ("fast",),
-        "A design of least gamma: accepted by the corrected Theorem 2, unstable on the flexible plant.",
         refused,
     ),
 )

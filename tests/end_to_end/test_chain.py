@@ -78,7 +78,7 @@ def measure(case, log):
     return {"run.peak": Measured(peak, "closed form", peak - 1e-9, peak + 1e-9)}
 
 
-RUNS = (RunSpec("nominal", "a decay", simulate, measure),)
+RUNS = (RunSpec("nominal", simulate, measure),)
 LAYOUT = Layout("toy", (Tab("Thrust", Plot("Thrust [N]", (Line("/thrust", "x", "x", "axis_1"),))),))
 """,
     "figures.py": """
@@ -91,7 +91,7 @@ def draw(figure, logs, case):
     finish(panel)
 
 
-FIGURES = (FigureSpec("figure_1", ("nominal",), "a picture", draw),)
+FIGURES = (FigureSpec("figure_1", ("nominal",), draw),)
 """,
 }
 

@@ -104,7 +104,7 @@ def test_empty_topics_events_and_loose_frames_are_found(tmp_path):
         lambda: Layout("demo", ()),
         lambda: Layout("Demo 1", (Tab("A", plot()),)),
         lambda: Layout("demo", (Tab("A", plot()), Tab("A", plot()))),
-        lambda: RunSpec("Run 1", "about", print, print),
+        lambda: RunSpec("Run 1", print, print),
         lambda: Measured(1.0, "two\nlines"),
         lambda: Measured(1.0, "m", lower=2.0),
     ],

@@ -38,7 +38,7 @@ WIDTH = 6.9
 
 @dataclass(frozen=True)
 class FigureSpec:
-    """A figure of a paper.
+    """A figure of a paper; its caption stands in paper.toml.
 
     Attributes
     ----------
@@ -46,8 +46,6 @@ class FigureSpec:
         File name without ending.
     runs : tuple of str
         The runs whose logs it is drawn from.
-    caption : str
-        One or two sentences.
     draw : callable
         (figure, logs by run, case) -> None.
     height : float
@@ -56,7 +54,6 @@ class FigureSpec:
 
     name: str
     runs: tuple[str, ...]
-    caption: str
     draw: Callable[[Figure, Mapping[str, Log], Case], None]
     height: float = 3.2
 

@@ -49,14 +49,12 @@ class Measured:
 
 @dataclass(frozen=True)
 class RunSpec:
-    """One run of a paper: how it is simulated, and what is read from its log.
+    """One run of a paper: how it is simulated, and what is read from its log; paper.toml says what it is.
 
     Attributes
     ----------
     name : str
         Lower-case name ``[a-z0-9_]+``: file name of the log and part of its application id in viewers.
-    about : str
-        One sentence: what is run.
     simulate : callable
         ``simulate(case, designs, log)`` writes the whole run into the `LogWriter`.
     measure : callable
@@ -64,7 +62,6 @@ class RunSpec:
     """
 
     name: str
-    about: str
     simulate: Simulate
     measure: Measure
 

@@ -18,7 +18,7 @@ def provenance(case: Case, run: RunSpec) -> dict[str, str]:
     return {
         "paper": case.name,
         "run": run.name,
-        "about": run.about,
+        "about": case.paper.runs[run.name],
         "title": case.paper.title,
         "doi": case.paper.doi,
         "gainsay": __version__,
@@ -41,7 +41,7 @@ def simulate(case: Case, run: RunSpec, results: Results) -> None:
         run.simulate(case, Designs(case), log)
     measure(case, run, results)
     size = path.stat().st_size / 1e6
-    results.say(run.name, f"{run.about}, {size:.1f} MB")
+    results.say(run.name, f"{case.paper.runs[run.name]}, {size:.1f} MB")
 
 
 def simulation(case: Case) -> None:
