@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from gainsay.errors import ComputationError
 from gainsay.lmi import Infimum, Program, Solved, Variable, block_diagonal, infimum, matrix, scalar, solve, symmetric
@@ -12,7 +11,6 @@ from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.theorem1 import PARTS, Delayed, Functional, theorem1, without_slack
 
 Form = Callable[..., object]
-_SPREAD = 4e-4  # relative half width of the neighbourhood in which the largest delay is averaged
 
 
 @dataclass(frozen=True)
@@ -73,9 +71,35 @@ def lifted(loop: Delayed, values: dict) -> dict:
     return {**values, "P2": values["P1"], "P3": loop.d_M * values["R"]}
 
 
+_STEPS = (1e-7, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3)
+_WIDTH = 1e-7
+
+
+def first_refuted(refuted: Callable[[float], bool], proved: float, limit: float) -> float:
+    """Return the first delay, s, in growing relative steps above `proved`, that is refuted; `limit` where none is.
+
+    Parameters
+    ----------
+    refuted : callable
+        Delay in s -> whether checked multipliers show that the condition has no solution there.
+    proved, limit : float
+        s; the condition holds at `proved` and cannot hold beyond `limit`.
+    """
+    for step in _STEPS:
+        delay = proved * (1 + step)
+        if delay >= limit:
+            break
+        try:
+            if refuted(delay):
+                return delay
+        except ComputationError:  # no enclosure here: nothing is refuted
+            continue
+    return limit
+
+
 def largest_delay(
     loop: Delayed, gamma: float, limit: float, v: object | None = None, form: Form = without_slack
-) -> tuple[float, float, float]:
+) -> tuple[float, float]:
     """Largest d_M at which the inequalities hold for gamma; they hold for every smaller one.
 
     With S = R/d_M fixed, d_M stands in (9) only in the term d_M^2 S, which grows with it: the set of feasible d_M is an
@@ -92,47 +116,27 @@ def largest_delay(
 
     Returns
     -------
-    value, feasible, infeasible : float
-        s; at `feasible` a checked point has a smaller gamma, at `infeasible` the enclosure lies above gamma or the
-        solver found no point.
+    feasible, infeasible : float
+        s; the largest delay at which a point was found and checked, and a delay at which the enclosure of the least
+        gamma lies above gamma (the limit where there is none).
     """
-    feasible, infeasible, weights = 0.0, limit, []
+    v = v or Functional(len(loop.A))
 
-    def excess(d_M: float) -> float:
-        nonlocal feasible, infeasible
-        found = least_gamma(replace(loop, d_M=d_M), v, form)
-        if found.upper < gamma**2:
-            feasible = max(feasible, d_M)
-        if found.lower > gamma**2:
-            infeasible = min(infeasible, d_M)
-        weights.append(1 / (found.upper - max(found.lower, 0.0) + 1e-6))
-        return 1 / np.sqrt(found.value) - 1 / gamma
+    def holds(d_M: float) -> bool:
+        at = replace(loop, d_M=d_M)
+        held = [form(at, v, gamma**2, part) < 0 for part in PARTS]
+        if isinstance(solve(Program(subject_to=[*held, *v.positive], label="(9) for a gamma")), Solved):
+            return True
+        try:
+            return least_gamma(at, v, form).upper < gamma**2
+        except ComputationError:
+            return False
 
     low, high = 0.0, limit
-    while True:  # bracket: the enclosure exists on both sides of the wanted delay, but not up to the limit
+    while high - low > _WIDTH * limit:
         middle = (low + high) / 2
-        if high - low < 1e-6:
-            return low, feasible, high
-        try:
-            positive = excess(middle) > 0
-        except ComputationError:
-            high = middle
-            continue
-        if positive:
-            low = middle
-        else:
-            break
-    root = float(brentq(excess, low, middle, xtol=1e-5))
-    # 1/gamma is smooth in d_M, but some of the solver's values are good to 1e-3 only here, and their enclosures say
-    # which: a parabola through eleven values, each weighted by the width of its enclosure, settles it.
-    spread = _SPREAD * np.linspace(-1, 1, 11)
-    values = [excess(root * (1 + e)) for e in spread]
-    fit = np.polynomial.Polynomial.fit(spread, values, 2, w=np.array(weights[-len(spread) :]))
-    roots = fit.roots()
-    nearest = float(np.real(roots[np.argmin(np.abs(roots))]))
-    if abs(nearest) > _SPREAD:
-        raise ComputationError("(9)", f"largest d_M near {root:.9g} s: its neighbours do not confirm it")
-    return root * (1 + nearest), feasible, infeasible
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low, first_refuted(lambda d: least_gamma(replace(loop, d_M=d), v, form).lower > gamma**2, low, limit)
 
 
 def point_at(loop: Delayed, gamma_squared: float) -> dict:

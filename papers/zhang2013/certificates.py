@@ -300,3 +300,59 @@ def unstable(
         witness={"P": P / np.abs(P).max(), "z": z},
         quantities={"stable": quantity},
     )
+
+
+def w1_rms(case, size: str, quantity: str) -> Certificate:
+    """Root mean square of w1 over long times, from the square of its amplitude (formula): positive."""
+    return certificate(
+        "enclosed",
+        id="w1-persists",
+        paper=PAPER,
+        tables=case,
+        statement="The root mean square of w1 over long times is positive, at whatever frequency: its energy grows "
+        "linearly with time, so that w1 is not in l2[0, inf) and no bound on its norm holds.",
+        fields={"formula": f"sqrt({size} / 2)", "low": "0"},
+        quantities={"value": quantity},
+    )
+
+
+def larger_than_max(case) -> Certificate:
+    """||w|| may exceed max(delta_1, delta_2) where ||w1|| <= delta_1 and ||w2'|| <= delta_2."""
+    return certificate(
+        "enclosed",
+        id="delta-max",
+        paper=PAPER,
+        tables=case,
+        statement="With ||w1|| = delta_1 = 4 and ||w2'|| = delta_2 = 3 the square of ||w|| is above that of "
+        "max(delta_1, delta_2) = 4.",
+        definitions=[("delta_1", "4"), ("delta_2", "3")],
+        fields={"formula": "delta_1 ** 2 + delta_2 ** 2 - delta_1 ** 2", "low": "0"},
+    )
+
+
+def residual_error(case, frequency: str, size: str, quantity: str) -> Certificate:
+    """Amplitude of the periodic estimation error that w1 keeps up without delay, w1 of a tabled frequency.
+
+    `size` is the square of the amplitude of w1 as a formula. Real and imaginary part of the state solve
+    A r + w i = -B, w r - A i = 0.
+    """
+    state = "inverse([[-A_0, -w * eye(7)], [w * eye(7), -A_0]]) @ col(B_bar, zeros(7, 1))"
+    return certificate(
+        "enclosed",
+        id=quantity.replace("audit.", "").replace("_", "-"),
+        paper=PAPER,
+        tables=case,
+        statement="Without delay the loop of (1), (4), (6) with the printed gains answers w1 of the frequency "
+        f"{frequency} with an estimation error w2 - w2hat of this amplitude.",
+        definitions=[
+            *FLEXIBLE,
+            *flexible_loop("printed('K')", "printed('L')"),
+            ("A_0", "A_bar + A_d"),
+            ("w", f"number('{frequency}')"),
+            ("H", state),
+            ("e_r", "C_z @ H[0:7, 0:1]"),
+            ("e_i", "C_z @ H[7:14, 0:1]"),
+        ],
+        fields={"formula": f"sqrt({size} * (e_r ** 2 + e_i ** 2))", "low": "0"},
+        quantities={"value": quantity},
+    )

@@ -22,6 +22,7 @@ FREE_LOOP = {
 }
 """A system (7)-(8) without numbers. d_M is set to 1 by the choice of the unit of time."""
 TIME_UNIT = (("d_M", "eye(1)"),)
+UNIT_NOTE = "time in units of d_M, in which d_M = 1; any other unit scales rates and R alone"
 VECTORS = {name: {"shape": [3, 1]} for name in ("z", "v", "zd", "zM")} | {"w": {"shape": [2, 1]}}
 W1 = "((z - zd).T @ R @ (z - zd))"
 W2 = "((zd - zM).T @ R @ (zd - zM))"
@@ -132,7 +133,7 @@ def model(case: Case, results: Results) -> None:
     results.certificate(
         different(
             "eq7-input-delay",
-            "With the whole input delayed, as its name u(t - d(t)) says, (7) does not follow.",
+            "With the whole input delayed, as the name u(t - d(t)) would have it, (7) does not follow.",
             "A @ x + B @ (-(w2d - ed) + K @ xd) + B * w1 + B * w2",
             "A @ x + B * e + B @ K @ xd + B * w1",
             unknowns | dict.fromkeys(("w2d", "ed"), scalar),
@@ -206,7 +207,7 @@ def functional(case: Case, results: Results) -> None:
         results.certificate(
             identity(
                 name,
-                f"The derivative (12) without its integral is the quadratic form of ({name[2:]}).",
+                f"The derivative (12) without its integral is the quadratic form of ({name[2:]}) ({UNIT_NOTE}).",
                 RATE.format(w=term),
                 quadratic,
                 loop | unknowns,
@@ -225,7 +226,7 @@ def functional(case: Case, results: Results) -> None:
         results.certificate(
             identity(
                 f"eq{number}",
-                f"The leading part of (9{part}) is the left side of ({number}).",
+                f"The leading part of (9{part}) is the left side of ({number}) ({UNIT_NOTE}).",
                 left,
                 right,
                 unknowns,
@@ -292,7 +293,7 @@ def slack(case: Case, results: Results) -> None:
             "eq9-slack",
             "On z' = Abar z + Ad z_d + Bbar w the left sides of (9a), (9b) do not depend on P2, P3 and equal those for "
             "P2 = P1, P3 = d_M R. These have the block -d_M R at z', and that subspace is where they are largest over "
-            "z': so (9) holds for some P2, P3 exactly if it holds for P2 = P1, P3 = d_M R.",
+            f"z': so (9) holds for some P2, P3 exactly if it holds for P2 = P1, P3 = d_M R ({UNIT_NOTE}).",
             f"diag({sides[0][0]}, {sides[1][0]})",
             f"diag({sides[0][1]}, {sides[1][1]})",
             unknowns,

@@ -112,9 +112,10 @@ def printed26_differs(case) -> Certificate:
 
 
 def wrong_sizes(case) -> list[Certificate]:
-    """Misprints that do not even fit: R1 in Pi_221, Q12 among the hats, P21hat as an inverse of P21bar."""
+    """Misprints that do not even fit: R1 in Pi_221, Q12 among the hats, P21hat as P21bar^-1, A without bar in (7)."""
     symmetric = {name: UNKNOWNS23[name] for name in ("R1", "R2", "Q12", "Q21")}
     inverse = {"X": {"shape": [2, 2]}, "M": {"shape": [1, 2]}}
+    loop = [*PLANT, *gains("printed('K')", "printed('L')")]
     return [
         certificate(
             "different",
@@ -122,19 +123,22 @@ def wrong_sizes(case) -> list[Certificate]:
             paper=PAPER,
             tables=case,
             statement=statement,
+            definitions=definitions,
             unknowns=unknowns,
             witness=point_for(unknowns),
             fields={"left": left, "right": right},
         )
-        for name, statement, left, right, unknowns in (
-            ("eq26-r1", "R1 is 2 x 2, the block Pi_221 a number.", "R1", "R2", symmetric),
-            ("hats-q12", "Q12 is a number, the block of Q21hat 2 x 2.", "Q12", "Q21", symmetric),
+        for name, statement, left, right, unknowns, definitions in (
+            ("eq26-r1", "R1 is 2 x 2, the block Pi_221 a number.", "R1", "R2", symmetric, ()),
+            ("hats-q12", "Q12 is a number, the block of Q21hat 2 x 2.", "Q12", "Q21", symmetric, ()),
             (
                 "eq24-inverse",
                 "With P21hat = P21bar^-1 read literally, (24) and (23) disagree on K.",
                 "M @ inverse(inverse(X))",
                 "M @ inverse(X)",
                 inverse,
+                (),
             ),
+            ("eq7-bars", "A of (3) is 2 x 2; z of (7) has three entries.", "A", "A_bar", {}, loop),
         )
     ]

@@ -153,8 +153,9 @@ def printed_gains(case: Case, results: Results) -> None:
     results.quantity(
         "theorem2.printed_gains_gamma_min",
         np.sqrt(least.value),
+        lower=hinf_norm(craft.design_loop(K, L), setting.d_M).value,
         upper=np.sqrt(least.upper),
-        method="interior point; upper: checked point",
+        method="interior point; upper: checked point, lower: exact norm at d_M",
         source="(9), (25)",
     )
     results.certificate(prove.gamma_floor(case))

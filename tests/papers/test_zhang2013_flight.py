@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from gainsay.errors import InputError
+from gainsay.errors import CertificateError, InputError
 from gainsay.logs import LogWriter, read_log
 from gainsay.logs.check import layout_problems
+from gainsay.proof.build import finish
 from gainsay.simulation.delay import DelayLaw
 from gainsay.systems.delay_spectrum import spectral_abscissa, unstable_root_count
 from gainsay.tables import Case, read_case
-from papers.zhang2013 import flight, runs
+from papers.zhang2013 import audit, certificates, flight, runs
 from papers.zhang2013.plant import MODES, Spacecraft
 
 CASE: Case = read_case(Path(__file__).resolve().parents[2], "zhang2013")
@@ -152,6 +153,61 @@ def test_quantities_of_a_run_come_from_its_log(tmp_path, monkeypatch):
     angle = log["/spacecraft/attitude"].column("angle")
     assert angle[0] == 0.08
     assert measured["run.theta_min"].value <= angle.min()
+
+
+def test_a_scanned_reading_at_our_filling_is_the_nominal_run():
+    point = {name: CASE.number(name) for name in audit.SCANNED[:5]} | {"delay_mode": "paper", "observer_start": "zero"}
+    found = flight.scan_numbers(CASE, point | {"horizon": 120.0})
+    nominal, bare = (flight.numbers(flight.fly(CASE, K, L, m, "zero", horizon=120.0)) for m in ("paper", "no_observer"))
+    for name in ("theta_end", "rate_end", "estimation_error_rms_end"):
+        assert found[f"run.{name}"] == pytest.approx(nominal[name][1], rel=1e-7), name
+    vibration = nominal["vibration_rms_50s"][1]
+    assert found["audit.rejection"] == pytest.approx(nominal["estimation_error_rms_50s"][1] / vibration, rel=1e-7)
+    assert found["audit.vibration_ratio"] == pytest.approx(vibration / bare["vibration_rms_50s"][1], rel=1e-7)
+
+
+def test_every_scanned_claim_speaks_of_the_quantity_that_is_scanned():
+    assert {name: CASE.claims[name].quantity for name in audit.FIGURE_CLAIMS} == audit.FIGURE_CLAIMS
+    holds, phrase = audit.criterion(CASE.claims["fig1-final"])
+    assert (holds(-1e-4), holds(-1.1e-4), phrase) == (True, False, "within -0.0001..0.0001 rad")
+    holds, phrase = audit.criterion(CASE.claims["fig3-estimate"])
+    assert (holds(1.0), holds(1.1), phrase) == (True, False, "at most 1")
+
+
+SIZE = "number('w1_amplitude') ** 2 * (number('w1_cosine') ** 2 + number('w1_sine') ** 2)"
+
+
+def ends(made, quantity: str) -> tuple[float, float]:
+    (inside,) = (c.value for c in made.conclusions if c.relation == "inside" and c.quantity == quantity)
+    return tuple(float(Fraction(end)) for end in inside.split(".."))
+
+
+def test_root_mean_square_of_w1_is_its_amplitude_over_the_root_of_two():
+    low, high = ends(certificates.w1_rms(CASE, SIZE, "audit.w1_rms"), "audit.w1_rms")
+    t = np.arange(1000) * (2 * np.pi / 1000)  # one period, evenly sampled: exact for a sinusoid
+    assert low == pytest.approx(np.sqrt(np.mean(flight.external_torque(CASE)(t) ** 2)), rel=1e-12)
+    assert high == pytest.approx(low, rel=1e-12)
+
+
+def test_the_estimation_error_keeps_the_amplitude_that_is_certified():
+    made = certificates.residual_error(CASE, "w1_frequency", SIZE, "audit.residual_error")
+    low, high = ends(made, "audit.residual_error")
+    run = flight.fly(CASE, K, L, "paper", "zero", law=NONE, horizon=420.0)
+    x = run.solution(420.0 - np.arange(1000) * (2 * np.pi / 1000))  # the last period; free motion: exp(-0.04 * 413)
+    error = run.w2(x) - run.estimate(x)
+    assert np.sqrt(2 * np.mean(error**2)) == pytest.approx(low, rel=1e-4)
+    assert high == pytest.approx(low, rel=1e-12)
+    # the error of a body that does not vibrate: e' = -L B (e + w1)
+    bandwidth = 105.4207 / (35.72 - 1.27814**2 - 0.91756**2)
+    assert low == pytest.approx(4.5e-5 * math.sqrt(11.25) * bandwidth / math.hypot(bandwidth, 1.0), rel=0.02)
+
+
+def test_the_norm_of_w_may_exceed_the_larger_bound():
+    made = certificates.larger_than_max(CASE)
+    with pytest.raises(CertificateError):  # with delta_2 = 0 it cannot
+        finish(
+            made.changed(definitions=(("delta_1", "4"), ("delta_2", "0")), fields=made.fields | {"low": "1e-9"}), CASE
+        )
 
 
 def test_every_run_and_figure_is_declared():

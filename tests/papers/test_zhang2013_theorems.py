@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from gainsay.errors import CertificateError
 from gainsay.lmi import Infimum, Program, Solved, infimum, scalar, solve
-from gainsay.systems.delay_bounds import bessel_legendre, proved_delay
+from gainsay.systems.delay_bounds import bessel_legendre, level, proved_delay
 from gainsay.systems.delay_spectrum import hinf_norm
 from gainsay.tables import Case, read_case
 from papers.zhang2013 import certificates, derivations, misprints
-from papers.zhang2013.bounds import Structured, gamma_program, largest_delay, least_gamma, lifted
+from papers.zhang2013.bounds import Structured, first_refuted, gamma_program, largest_delay, least_gamma, lifted
 from papers.zhang2013.design import (
     acceptance_program,
     farkas_multipliers,
@@ -144,10 +144,10 @@ def test_mu_has_no_effect_on_the_least_gamma():
 @pytest.mark.slow
 def test_largest_delay_lies_below_the_exact_margin_and_between_checked_points():
     limit = CRAFT.design_loop(K, L).quasi_polynomial.margin().delay
-    value, feasible, infeasible = largest_delay(LOOP, 1.5, limit)
-    assert feasible <= value <= infeasible < limit
+    feasible, infeasible = largest_delay(LOOP, 1.5, limit)
+    assert feasible < infeasible < limit
     assert infeasible - feasible < 2e-4
-    for d_M, sign in ((value - 1e-3, -1), (value + 1e-3, 1)):
+    for d_M, sign in ((feasible - 1e-3, -1), (infeasible + 1e-3, 1)):
         assert sign * (least_gamma(replace(LOOP, d_M=d_M)).value - 2.25) > 0
 
 
@@ -161,6 +161,23 @@ def test_theorem_1_of_the_delayed_signal_proves_no_more_than_theorem_1():
     # and for varying delays it proves what Jensen's inequality proves for constant ones
     jensen, tried = proved_delay(lambda d: bessel_legendre(*parts, d, 0).blocks, 1.001 * exact, 1e-3)
     assert jensen - 1e-9 <= proved <= tried + 1e-9
+
+
+def test_delays_with_checked_points_and_checked_multipliers_meet():
+    loop = CRAFT.design_loop(K, L)
+    parts = loop.A[:2, :2], loop.Bd[:2], loop.Cd[:, :2]
+    exact = loop.quasi_polynomial.margin().upper
+    for degree in (0, 1):
+        proved, _ = proved_delay(lambda h, n=degree: bessel_legendre(*parts, h, n).blocks, exact, 1e-6)
+        refuted = first_refuted(lambda h, n=degree: level(bessel_legendre(*parts, h, n)).lower > 0, proved, exact)
+        assert proved < refuted < exact
+        assert refuted - proved < 1e-5 * exact
+
+
+def test_first_refuted_is_the_limit_where_nothing_is_refuted():
+    assert first_refuted(lambda h: False, 1.0, 2.0) == 2.0
+    assert first_refuted(lambda h: True, 1.0, 1.0 + 1e-9) == 1.0 + 1e-9
+    assert first_refuted(lambda h: h > 1 + 5e-6, 1.0, 2.0) == pytest.approx(1 + 1e-5, rel=1e-12)  # the next step above
 
 
 def test_unsound_point_has_an_unstable_observer():
@@ -187,7 +204,7 @@ def test_certificates_of_misprints_are_accepted():
     assert misprints.corrected_form(CASE).conclusions[0].relation == "holds"
     assert misprints.printed23_differs(CASE).conclusions[0].relation == "fails"
     assert misprints.printed26_differs(CASE).conclusions[0].relation == "fails"
-    assert len(misprints.wrong_sizes(CASE)) == 3
+    assert {made.id for made in misprints.wrong_sizes(CASE)} == {"eq26-r1", "hats-q12", "eq24-inverse", "eq7-bars"}
 
 
 def test_a_block_that_is_right_has_no_certificate_of_a_difference():
