@@ -111,5 +111,5 @@ def test_norm_barely_above_the_feedthrough(seed, size):
     A, B, C, D = random_system(seed)
     norm, _ = hinf_norm(A, size * B, C, D)
     system = StateSpace(A, size * B, C, D)
-    assert norm >= np.linalg.norm(D, 2)
+    assert norm * (1 + 1e-12) >= np.linalg.norm(D, 2)  # two singular value decompositions, each to rounding
     assert max(system.gain(w) for w in np.geomspace(1e-3, 1e4, 300)) <= norm * (1 + 1e-9)
