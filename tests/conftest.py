@@ -1,15 +1,15 @@
 """A small project on disk that tests of tables, verdicts and steps share."""
 
-from dataclasses import os
+import os
+from dataclasses import dataclass
 from pathlib import Path
 
-import dataclass
 import pytest
 from hypothesis import settings
 
 from gainsay.tables import Case, read_case
 
-# Continuous integration draws the same examples every time: it judges a change, the search for new ones is done by hand.
+# Continuous integration draws the same examples every time: it judges a change; new examples are searched by hand.
 settings.register_profile("ci", derandomize=True)
 if os.environ.get("CI"):
     settings.load_profile("ci")
