@@ -1,21 +1,17 @@
 """Constant gain variations and the disk: another scaling on every arc of the circle |s + a| = b.
 
 For constant Delta the poles of (10) stay in the disk if they are in it for Delta = 0 and no pole meets the circle:
-it is enough that on every arc, for some diagonal D > 0, M(s)* D M(s) < D with M(s) = Cz (s I - A)^-1 H + Dw. On an
-arc, a finite piece of the circle, that follows from one matrix inequality with Hermitian P and Q >= 0 (generalised
-Kalman-Yakubovich-Popov lemma; T. Iwasaki, S. Hara, IEEE Trans. Automatic Control 50 (2005) 41-59). Only the upper
-half of the circle is needed, the data being real.
+it is enough that on every arc, for some diagonal D > 0, M(s)* D M(s) < D with M(s) = Cz (s I - A)^-1 H + Dw. Only the
+upper half of the circle is needed, the data being real. The scalings are found here, from points of the arcs; that
+they hold on whole arcs is left to the checker (`gainsay.proof.kinds.contour`).
 """
-
-from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
 from scipy.linalg import solve_discrete_are
 from scipy.optimize import brentq, minimize, minimize_scalar
 
 from gainsay.errors import ComputationError
-from papers.li2021.robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop, shared_scaling
+from papers.li2021.robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop
 
 
 def scaled_norm(log_scale: np.ndarray, M: np.ndarray, power: float) -> tuple[float, np.ndarray]:
@@ -87,139 +83,90 @@ def largest_delta(build, a: float, b: float, low: float, high: float) -> tuple[f
     return float(found), peak(build(found), a, b)[1]
 
 
-@dataclass(frozen=True)
-class Arc:
-    """A certified arc between two nodes, in the coordinates of its loop.
+def _reaches(form: Loop, a: float, b: float, log_scale: np.ndarray, low: float, high: float, nodes: int = 9) -> float:
+    """Largest scaled norm over points of the arc from low to high, in parts of the half circle."""
+    e = np.exp(log_scale[OF_CHANNEL])
+    circle = -a + b * np.exp(1j * np.pi * np.linspace(low, high, nodes))
+    return float(max(np.linalg.norm(e[:, None] * form.response(z) / e, 2) for z in circle))
 
-    Attributes
+
+def cover(
+    form: Loop, a: float, b: float, widest: float = 0.1, narrowest: float = 1e-4, room: float = 0.3
+) -> tuple[list[float], np.ndarray]:
+    """Arcs of the upper half circle s = -a + b exp(i pi t) and a scaling for each that keeps the norm below one.
+
+    Parameters
     ----------
-    first, last : tuple
-        Its ends, as `node` gives them.
-    multipliers : ndarray, shape (25,)
-    weight : float
-        w >= 0 in Q = w Cz' D Cz.
-    P : ndarray of complex, shape (12, 12)
-        Hermitian.
-    margin : float
-        Least eigenvalue of the negative of `matrix`, its diagonal scaled to one.
+    form : Loop
+        Balanced.
+    a, b : float
+        Centre and radius of the disk.
+    widest, narrowest : float, optional
+        Lengths of an arc in t.
+    room : float, optional
+        Share of the distance to one at the middle of an arc that must be left all over it.
+
+    Returns
+    -------
+    ends : list of float, length m + 1
+        From 0 to 1, of six decimals.
+    scales : ndarray, shape (m, 25)
+        Logarithms of the scalings, in the coordinates of the loop.
+
+    Raises
+    ------
+    ComputationError
+        Where the least scaled norm is not below one, or no arc is short enough.
     """
-
-    first: tuple[Fraction, bool]
-    last: tuple[Fraction, bool]
-    multipliers: np.ndarray
-    weight: float
-    P: np.ndarray
-    margin: float
-
-    def original(self, form: Loop) -> tuple[np.ndarray, np.ndarray]:
-        """P and multipliers in the coordinates of the paper."""
-        inv = np.linalg.inv(form.T)
-        c = np.zeros(MULTIPLIERS)
-        c[OF_CHANNEL] = form.channel
-        P = inv.T @ self.P @ inv
-        return (P + P.conj().T) / 2, self.multipliers / c**2
-
-
-def node(angle: float) -> tuple[Fraction, bool]:
-    """Rational point of the unit circle near an angle in [0, pi]: t = tan(angle / 2), mirrored beyond pi / 2."""
-    mirrored = angle > np.pi / 2
-    return Fraction(round(1e6 * np.tan((np.pi - angle if mirrored else angle) / 2)), 10**6), mirrored
-
-
-def point(place: tuple[Fraction, bool]) -> tuple[Fraction, Fraction]:
-    """Cosine and sine of a node, exactly."""
-    t, mirrored = place
-    c = (1 - t * t) / (1 + t * t)
-    return (-c if mirrored else c), 2 * t / (1 + t * t)
-
-
-def _weighted(form: Loop, a: float, b: float, ends, multipliers, weight: float) -> tuple[np.ndarray, np.ndarray]:
-    """[F G] of the circle's map and the part of `matrix` without P."""
-    (c0, s0), (c1, s1) = (tuple(map(float, point(e))) for e in ends)
-    n, level = (c0 + c1) + 1j * (s0 + s1), (c0 + c1) * c1 + (s0 + s1) * s1
-    V = np.hstack([form.A + a * np.eye(12), form.H]) / b
-    J, Z, D = np.eye(12, 39), np.hstack([form.Cz, form.Dw]), np.diag(multipliers[OF_CHANNEL])
-    Q = weight * form.Cz.T @ D @ form.Cz
-    rest = Z.T @ D @ Z + n * V.T @ Q @ J + np.conj(n) * J.T @ Q @ V - 2 * level * J.T @ Q @ J
-    rest[12:, 12:] -= D
-    return V, (rest + rest.conj().T) / 2
-
-
-def matrix(form: Loop, a: float, b: float, ends, multipliers, weight: float, P) -> np.ndarray:
-    """Hermitian matrix (39, 39) whose negative definiteness certifies the arc between two nodes.
-
-    With z = (s + a)/b on the unit circle, v = (x, w) and z x = V v, the terms in P cancel on the circle, and those in
-    Q = weight Cz' D Cz, weighted by 2 Re(conj(n) z) - 2 level, are not negative on the arc cut off by the chord
-    between the nodes; so |D^(1/2) M w| < |D^(1/2) w| there.
-    """
-    V, rest = _weighted(form, a, b, ends, multipliers, weight)
-    N = V.T @ P @ V + rest
-    N[:12, :12] -= P
-    return (N + N.conj().T) / 2
-
-
-def certify(form: Loop, a: float, b: float, ends, log_scale: np.ndarray, weights=(0, 1, 3, 10, 30, 100)) -> Arc | None:
-    """Certify one arc with a given scaling, or None where no Riccati solution does it."""
-    d = np.exp(2 * log_scale)
-    best = None
-    for weight in weights:
-        V, rest = _weighted(form, a, b, ends, d, weight)
-        F, G = V[:, :12], V[:, 12:]
-        top = _largest_on_circle(F, G, rest, d)
-        if top >= 0:
+    ends, scales, width, last = [0.0], [], widest, None
+    while ends[-1] < 1:
+        low = ends[-1]
+        high = round(min(1.0, low + width), 6)
+        value, scale = best_scaling(form.response(-a + b * np.exp(0.5j * np.pi * (low + high))), last)
+        if _reaches(form, a, b, scale, low, high) < 1 - room * (1 - value):
+            ends.append(high)
+            scales.append(scale)
+            last, width = scale, min(widest, 1.5 * width)
             continue
+        width /= 1.6
+        if width < narrowest:
+            raise ComputationError("disk region", f"no scaling near t = {low:.4f}, scaled norm {value:.4f}")
+    return ends, np.array(scales)
+
+
+def one_matrix(form: Loop, a: float, b: float, log_scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """P and multipliers that show the disk on the whole circle at once, from a scaling and a Riccati equation.
+
+    Returns
+    -------
+    P : ndarray, shape (12, 12)
+    multipliers : ndarray, shape (25,)
+        Both in the coordinates of the loop.
+
+    Raises
+    ------
+    ComputationError
+        If the equation has no solution inside the inequality.
+    """
+    d = np.exp(2 * log_scale)
+    D = np.diag(d[OF_CHANNEL])
+    V, Z = np.hstack([form.A + a * np.eye(12), form.H]) / b, np.hstack([form.Cz, form.Dw])
+    rest = Z.T @ D @ Z
+    rest[12:, 12:] -= D
+    room = 1 - max(_reaches(form, a, b, log_scale, 0.0, 1.0, 181), 0.0) ** 2
+    if room > 0:
         # part of the room goes to both diagonal blocks, so that the solution lies inside
         lifted = rest.copy()
-        lifted[12:, 12:] -= 0.3 * top * np.diag(d[OF_CHANNEL])
-        lifted[:12, :12] -= 0.03 * top * np.diag(np.diag(form.Cz.T @ (d[OF_CHANNEL][:, None] * form.Cz)))
+        lifted[12:, 12:] += 0.3 * room * D
+        lifted[:12, :12] += 0.03 * room * np.diag(np.diag(form.Cz.T @ D @ form.Cz))
         try:
-            P = solve_discrete_are(F, G, lifted[:12, :12], lifted[12:, 12:], s=lifted[:12, 12:])
-        except (np.linalg.LinAlgError, ValueError):
-            continue
-        P = (P + P.conj().T) / 2
-        N = -matrix(form, a, b, ends, d, weight, P)
-        scale = 1 / np.sqrt(np.abs(np.diag(N).real))
-        margin = float(np.linalg.eigvalsh(scale[:, None] * N * scale)[0])
-        if margin > 1e-9 and (best is None or margin > best.margin):
-            best = Arc(*ends, d, float(weight), P, margin)
-    return best
-
-
-def _largest_on_circle(F: np.ndarray, G: np.ndarray, rest: np.ndarray, d: np.ndarray, nodes: int = 181) -> float:
-    """Largest eigenvalue over the whole circle of the form in w, in units of its multipliers; negative: P exists."""
-    z = np.exp(1j * np.linspace(-np.pi, np.pi, nodes))
-    X = np.linalg.solve(z[:, None, None] * np.eye(12) - F, np.broadcast_to(G, (nodes, *G.shape)))
-    v = np.concatenate([X, np.broadcast_to(np.eye(27), (nodes, 27, 27))], axis=1) / np.sqrt(d[OF_CHANNEL])
-    return float(np.linalg.eigvalsh(v.conj().swapaxes(1, 2) @ rest @ v)[:, -1].max())
-
-
-def cover(form: Loop, a: float, b: float, widest: float = 0.4, narrowest: float = 0.004) -> list[Arc]:
-    """Arcs from angle 0 to pi, each certified; raises ComputationError where an arc cannot be.
-
-    Where there is room a scaling nearer to the one that serves the whole circle is taken: what is best at one point
-    can be bad far from it, and then P is hard to find.
-    """
-    circle = np.array([form.response(-a + b * np.exp(1j * t)) for t in np.linspace(0, np.pi, 41)])
-    common = shared_scaling(circle)[1]
-    arcs, angle, width, local = [], 0.0, widest, None
-    while angle < np.pi:
-        stop = min(angle + width, np.pi)
-        ends = (node(angle), node(stop))
-        inside = [form.response(-a + b * np.exp(1j * t)) for t in (angle, (angle + stop) / 2, stop)]
-        value, local_here = best_scaling(inside[1], local)
-        arc = None
-        for share in (1.0, 0.7, 0.4, 0.15, 0.0):
-            scale = share * common + (1 - share) * local_here
-            e = np.exp(scale[OF_CHANNEL])
-            if max(np.linalg.norm(e[:, None] * M / e, 2) for M in inside) < 1:
-                arc = certify(form, a, b, ends, scale)
-            if arc is not None:
-                break
-        if arc is None:
-            width /= 1.6
-            if width < narrowest:
-                raise ComputationError("disk region", f"no certificate near angle {angle:.4f}, scaled norm {value:.4f}")
-            continue
-        arcs.append(arc)
-        local, angle, width = local_here, stop, min(widest, 1.4 * width)
-    return arcs
+            P = solve_discrete_are(V[:, :12], V[:, 12:], lifted[:12, :12], lifted[12:, 12:], s=lifted[:12, 12:])
+        except (np.linalg.LinAlgError, ValueError) as error:
+            raise ComputationError("disk region", f"Riccati equation: {error}") from error
+        P = (P + P.T) / 2
+        N = -(V.T @ P @ V + rest)
+        N[:12, :12] += P
+        scale = 1 / np.sqrt(np.abs(np.diag(N)))
+        if np.linalg.eigvalsh(scale[:, None] * N * scale)[0] > 1e-9:
+            return P, d
+    raise ComputationError("disk region", f"no single P for this scaling, room {room:.2e}")

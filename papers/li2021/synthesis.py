@@ -248,16 +248,16 @@ def certify_limit(case: Case, results: Results, name: str, gains, formulas, clai
     evidence = certify.gather(case, gains, float(f"{inside:.4g}"))
     quantity = f"certified.{name}.delta_m"
     results.certificate(certify.certificate(
-        case, f"{name}-delta-m", gains, formulas, evidence, quantity=quantity, claims=claims,
+        case, f"{name}-delta-m", formulas, evidence, quantity=quantity, claims=claims,
         statement=f"The {name} gains meet disk, norm and torque for gain variations up to dm, inertia included.",
     ))  # fmt: skip
     results.quantity(quantity, evidence.delta_m, source="requirements 1 to 3",
-                     method=f"certified; disk: {len(evidence.chain)} arcs, limit {found.disk:.5f}; norm and torque: "
+                     method=f"certified; disk: {len(evidence.scales)} arcs, limit {found.disk:.5f}; norm and torque: "
                      f"one quadratic function each, limit {found.norm:.5f}")  # fmt: skip
     single = min(found.one_matrix, largest)
     alone = certify.gather(case, gains, float(f"{ROOM_OF_ONE * single:.4g}"), one_matrix=True)
     results.certificate(certify.certificate(
-        case, f"{name}-delta-m-quadratic", gains, formulas, alone, quantity=f"{quantity}_quadratic",
+        case, f"{name}-delta-m-quadratic", formulas, alone, quantity=f"{quantity}_quadratic",
         statement=f"The {name} gains meet disk, norm and torque up to dm, each by one quadratic function.",
     ))  # fmt: skip
     results.quantity(f"{quantity}_quadratic", alone.delta_m, source="requirements 1 to 3",

@@ -40,13 +40,6 @@ def random_loops(case, gains, delta, count=400):
         yield plant.closed_loop(plant.rigid(k, inertia), gains, factors[:6], factors[6:9], factors[9:])
 
 
-def test_nodes_lie_on_the_circle_exactly():
-    for angle in (0.0, 0.3, np.pi / 2, 2.0, np.pi):
-        c, s = arcs.point(arcs.node(angle))
-        assert c * c + s * s == 1
-        assert abs(float(c) - np.cos(angle)) < 3e-6 and abs(float(s) - np.sin(angle)) < 3e-6
-
-
 def test_scaled_norm_gradient():
     # second method: central differences
     M = RNG.standard_normal((27, 27)) + 1j * RNG.standard_normal((27, 27))
@@ -71,60 +64,34 @@ def test_design_gradient(case, gains):
     assert slope == pytest.approx(difference, rel=1e-5)
 
 
-def test_one_arc_holds_pointwise(case, gains):
-    a, b, first, last = 1.01, 1.0, 0.75, 0.85
-    form = form_at(case, gains, 0.05)
-    _, scale = arcs.best_scaling(form.response(-a + b * np.exp(0.8j)))
-    arc = arcs.certify(form, a, b, (arcs.node(first), arcs.node(last)), scale)
-    D = np.diag(arc.multipliers[robust.OF_CHANNEL])
-    assert (
-        np.linalg.eigvalsh(arcs.matrix(form, a, b, (arc.first, arc.last), arc.multipliers, arc.weight, arc.P))[-1] < 0
-    )
-    for angle in np.linspace(first + 1e-5, last - 1e-5, 7):
-        M = form.response(-a + b * np.exp(1j * angle))
-        # law: the certificate says M* D M < D on its arc
-        assert np.linalg.eigvalsh(M.conj().T @ D @ M - D)[-1] < 0
-
-
-def test_arc_matrix_is_the_form_it_stands_for(case, gains):
-    # identity: on the circle P cancels, and Q enters with a weight that is not negative between the nodes only
-    a, b, weight = 1.01, 1.0, 3.0
-    form, d = form_at(case, gains, 0.05), np.exp(0.2 * RNG.standard_normal(25))
-    P = RNG.standard_normal((12, 12)) + 1j * RNG.standard_normal((12, 12))
-    ends = (arcs.node(0.6), arcs.node(0.9))
-    D = np.diag(d[robust.OF_CHANNEL])
-    N = arcs.matrix(form, a, b, ends, d, weight, P + P.conj().T)
-    for angle, sign in ((0.61, 1), (0.75, 1), (0.89, 1), (0.5, -1), (1.0, -1), (-0.75, -1), (2.5, -1)):
-        z = np.exp(1j * angle)
-        w = RNG.standard_normal(27) + 1j * RNG.standard_normal(27)
-        x = np.linalg.solve((-a + b * z) * np.eye(12) - form.A, form.H @ w)
-        M, v = form.response(-a + b * z), np.concatenate([x, w])
-        rest = (v.conj() @ N @ v - w.conj() @ (M.conj().T @ D @ M - D) @ w).real
-        core = np.linalg.norm(np.sqrt(np.diag(D)) * (form.Cz @ x)) ** 2
-        assert np.sign(rest) == sign
-        # closed form of the weight: 2 |n| (cos of the distance to the middle of the arc - cos of its half width)
-        half = 0.15
-        assert rest / (weight * core) == pytest.approx(
-            4 * np.cos(half) * (np.cos(angle - 0.75) - np.cos(half)), rel=1e-4
-        )
-
-
-@pytest.mark.slow
 def test_arcs_cover_and_hold_pointwise(case, gains):
     a, b = 1.01, 1.0
     form = form_at(case, gains, 0.05)
-    chain = arcs.cover(form, a, b)
-    assert chain[0].first == arcs.node(0.0) and chain[-1].last == arcs.node(np.pi)
-    for one, following in pairwise(chain):
-        assert one.last == following.first
-    for arc in chain:
-        D = np.diag(arc.multipliers[robust.OF_CHANNEL])
-        ends = [complex(*map(float, arcs.point(e))) for e in (arc.first, arc.last)]
-        for share in (0.0, 0.3, 0.7, 1.0):
-            z = np.exp(1j * ((1 - share) * np.angle(ends[0]) + share * np.angle(ends[1])))
-            M = form.response(-a + b * z)
-            # law: the certificate says M* D M < D on its arc
+    ends, scales = arcs.cover(form, a, b)
+    assert ends[0] == 0 and ends[-1] == 1 and len(scales) == len(ends) - 1
+    for (low, high), scale in zip(pairwise(ends), scales, strict=True):
+        assert low < high
+        D = np.diag(np.exp(2 * scale)[robust.OF_CHANNEL])
+        for t in np.linspace(low, high, 5):
+            M = form.response(-a + b * np.exp(1j * np.pi * t))
+            # law: the scaling of an arc gives M* D M < D on it
             assert np.linalg.eigvalsh(M.conj().T @ D @ M - D)[-1] < 0
+
+
+def test_one_matrix_shows_the_whole_circle(case, gains):
+    a, b = 1.01, 1.0
+    form = form_at(case, gains, 0.02)
+    circle = -a + b * np.exp(1j * np.linspace(0, np.pi, 40))
+    P, d = arcs.one_matrix(form, a, b, robust.shared_scaling(np.array([form.response(s) for s in circle]))[1])
+    D = np.diag(d[robust.OF_CHANNEL])
+    V, Z = np.hstack([form.A + a * np.eye(12), form.H]), np.hstack([form.Cz, form.Dw])
+    N = V.T @ P @ V + Z.T @ D @ Z
+    N[:12, :12] -= b**2 * P
+    N[12:, 12:] -= D
+    assert np.linalg.eigvalsh(P)[0] > 0
+    assert np.linalg.eigvalsh(N)[-1] < 0
+    with pytest.raises(ComputationError, match="no single P"):
+        arcs.one_matrix(form_at(case, gains, 0.06), a, b, np.zeros(25))
 
 
 @pytest.mark.slow
@@ -142,8 +109,8 @@ def test_cover_refuses_what_a_sample_breaks(case):
     comparison = plant.controller(case, "comparison")
     worst = max(np.abs(np.linalg.eigvals(A) + 1.01).max() for A in random_loops(case, comparison, 0.05, 2000))
     assert worst > 1
-    with pytest.raises(ComputationError, match="no certificate"):
-        arcs.cover(form_at(case, comparison, 0.05), 1.01, 1.0, narrowest=0.05)
+    with pytest.raises(ComputationError, match="no scaling"):
+        arcs.cover(form_at(case, comparison, 0.05), 1.01, 1.0, narrowest=0.01)
 
 
 def test_shared_scaling_bounds_the_pointwise_one(case, gains):
@@ -203,14 +170,52 @@ def test_factorisation_certificates_need_the_right_factor(case):
             check(found.changed(fields=wrong), case)
 
 
-@pytest.mark.slow
-def test_full_certificate_at_five_percent(case, gains):
+@pytest.fixture(scope="module")
+def whole(case, gains):
+    """All three requirements of the printed gains at 5 %."""
     evidence = certify.gather(case, gains, 0.05)
-    found = certify.certificate(
-        case, "test", gains, certify.PRINTED, evidence, quantity="certified.printed.delta_m", statement="A test."
+    return certify.certificate(
+        case, "test", certify.PRINTED, evidence, quantity="certified.printed.delta_m", statement="A test."
     )
-    assert check(found, case).conclusions[0].value == "0.05"
+
+
+def refused(certificate, case, **parts):
+    with pytest.raises(CertificateError) as caught:
+        check(certificate.changed(**parts), case)
+    return str(caught.value)
+
+
+@pytest.mark.slow
+def test_full_certificate_at_five_percent(case, whole):
+    proof = check(whole, case)
+    assert proof.conclusions[0].value == "0.05"
+    found = {(p.of, p.relation, p.value) for p in proof.proved}
+    # the three requirements of Table 1
+    assert {("disk.radius", "less_than", "1"), ("norm.norm", "less_than", "10"), ("torque.torque", "at_most", "2")} <= (
+        found
+    )
     # the same numbers prove nothing of the controller of [39]
-    swapped = [(n, dict(certify.COMPARISON).get(n, t)) for n, t in found.definitions]
-    with pytest.raises(CertificateError):
-        check(found.changed(definitions=swapped, data={}), case)
+    swapped = [(n, dict(certify.COMPARISON).get(n, t)) for n, t in whole.definitions]
+    refused(whole, case, definitions=swapped, data={})
+
+
+@pytest.mark.slow
+def test_full_certificate_refuses_forged_arcs(case, whole):
+    def with_disk(**fields):
+        disk, *others = whole.fields["parts"]
+        return {**whole.fields, "parts": [{**disk, "fields": {**disk["fields"], **fields}}, *others]}
+
+    ends, rows = whole.fields["parts"][0]["fields"]["arcs"], whole.witness["disk.d"]
+    # a gap at the end, and one in the middle closed by stretching an arc over it with a scaling not its own
+    message = refused(whole, case, fields=with_disk(arcs=ends[:-1]), witness={**whole.witness, "disk.d": rows[:-1]})
+    assert "from 0 to 1" in message
+    shorter = {**whole.witness, "disk.d": [rows[0], rows[-1]]}
+    assert "is not proved" in refused(whole, case, fields=with_disk(arcs=["0", ends[1], "1"]), witness=shorter)
+    # a wrong multiplier, and a larger variation
+    wrong = [[str(100 * float(x)) if j == 3 else x for j, x in enumerate(row)] for row in rows]
+    assert "arc 1" in refused(whole, case, witness={**whole.witness, "disk.d": wrong})
+    larger = [(n, "0.09" if n == "dm" else t) for n, t in whole.definitions]
+    refused(whole, case, definitions=larger)
+    # a conclusion beyond the level
+    beyond = [c.__class__(c.quantity, c.relation, "0.051", c.of) for c in whole.conclusions]
+    assert "does not follow" in refused(whole, case, conclusions=tuple(beyond))

@@ -1,0 +1,92 @@
+"""Requirements proved together at a level: what the parts give, and what is refused."""
+
+import numpy as np
+import pytest
+from scipy import linalg
+
+from gainsay.errors import CertificateError
+from gainsay.proof import MappingTables, build, check
+
+TABLES = MappingTables(numbers={"radius": "1.5"}, printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]]}, claims={})
+A = np.array([[0.0, 1.0], [-2.0, -3.0]])
+CHANNELS = {"A": "A", "H": "col(0, level)", "Cz": "row(1, 0)", "blocks": [["repeated", 1]]}
+DISK = {
+    "name": "disk",
+    "kind": "contour",
+    "fields": {**CHANNELS, "arcs": ["0", "0.5", "1"], "shift": "1.5", "radius": "number('radius')"},
+}
+NORM = {
+    "name": "norm",
+    "kind": "robust_norm",
+    "fields": {**CHANNELS, "B": "col(0, 1)", "C": "row(1, 0)", "gamma": "2"},
+}
+STEIN = linalg.solve_discrete_lyapunov(((A + 1.5 * np.eye(2)) / 1.5).T, np.eye(2))
+# bounded real lemma with multiplier one at level 0.5: both channels enter the second state, 1/4 + 1/4
+RICCATI = linalg.solve_continuous_are(A, [[0.0], [1.0]], np.diag([2.05, 0.05]), [[-2.0]])
+WITNESS = {
+    "disk.P": (STEIN + STEIN.T) / 2,
+    "disk.d": [["1"], ["1"]],
+    "norm.P": (RICCATI + RICCATI.T) / 2,
+    "norm.D1": "1",
+}
+
+
+def made(parts=(DISK, NORM), level="0.5", witness=WITNESS, field="level", quantity="level"):
+    return build.certificate(
+        "level",
+        id="a",
+        paper="p",
+        statement="s",
+        tables=TABLES,
+        definitions={"level": level, "A": "printed('A')"},
+        fields={"level": field, "parts": list(parts)},
+        witness=witness,
+        quantities={quantity: "x"},
+    )
+
+
+def refused(**changes):
+    with pytest.raises(CertificateError) as caught:
+        made(**changes)
+    return str(caught.value)
+
+
+def test_every_part_speaks_of_the_level():
+    certificate = made()
+    found = {(p.of, p.relation, p.value) for p in check(certificate, TABLES).proved}
+    assert found == {
+        ("level", "at_least", "0.5"),
+        ("disk.radius", "less_than", "1.5"),
+        ("disk.stable", "holds", None),
+        ("norm.norm", "less_than", "2"),
+        ("norm.stable", "holds", None),
+    }
+    # what the parts read is among the data: another table is another certificate
+    assert set(certificate.data) == {"number", "printed"}
+    other = MappingTables(
+        numbers={"radius": "1.4"}, printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]]}, claims={}
+    )
+    with pytest.raises(CertificateError, match="radius"):
+        check(certificate, other)
+
+
+def test_a_level_that_one_part_cannot_meet_is_refused():
+    # closed form: s^2 + 3 s + 2 + 2.1 lambda is unstable at lambda = -1
+    assert "a, disk" in refused(level="2.1")
+    # the norm at lambda = -1 is 1 / (2 - 1.6) = 2.5, above 2, the poles still inside
+    assert "a, norm" in refused(level="1.6")
+    made(parts=(DISK,), level="1.6", witness={k: v for k, v in WITNESS.items() if k.startswith("disk")})
+
+
+def test_parts_that_are_not_what_they_should_be_are_refused():
+    assert "no definition" in refused(field="0.9")
+    assert "no definition" in refused(field="lvl")
+    assert "different name" in refused(parts=(DISK, {**NORM, "name": "disk"}))
+    assert "expected one of" in refused(parts=(DISK, {**NORM, "kind": "nothing"}))
+    assert "may not be of kind" in refused(parts=({**DISK, "kind": "level"}, NORM))
+    assert "belongs to no part" in refused(parts=(DISK,))
+    assert "missing" in refused(witness={k: v for k, v in WITNESS.items() if k != "norm.P"})
+    assert "unknown field" in refused(parts=(DISK, {**NORM, "fields": {**NORM["fields"], "extra": "1"}}))
+    assert "'gamma' is missing" in refused(parts=(DISK, {**NORM, "fields": {**CHANNELS, "B": "1", "C": "1"}}))
+    assert "expected name, kind and fields" in refused(parts=())
+    assert "expected name, kind and fields" in refused(parts=(DISK, {"name": "norm"}))

@@ -1,0 +1,73 @@
+"""Several requirements hold at once at a level of uncertainty, each proved by a kind of its own.
+
+Theorem: let ``level`` be a number on which the other definitions depend, such as the bound on a gain variation. If
+every part is proved, all over the same definitions, then all that the parts prove holds at this level, so the largest
+level at which it holds is at least this one. (Where the uncertainty is scaled by the level, every smaller variation is
+among those covered, so that no lower level has to be proved.)
+
+Fields: ``level``, the name of a definition that is a rational number; ``parts``, a list of {"name", "kind", "fields"},
+the fields as that kind demands. Witness: for each part what its kind demands, named ``part.name``, as in ``disk.P``.
+Proved: ``level`` at_least its value, and all that the parts prove, named ``part.of``, as in ``disk.radius``.
+"""
+
+from gainsay.exact.rational import to_text
+from gainsay.proof import kinds
+from gainsay.proof.kinds import Proved
+from gainsay.proof.scope import Scope
+
+THEOREM = "every requirement proved at the level by a kind of its own"
+REQUIRED = ("level", "parts")
+OPTIONAL = ()
+
+
+def _parts(scope: Scope) -> list[tuple[str, str, dict]]:
+    given = scope.field("parts")
+    if not isinstance(given, list) or not given:
+        raise scope.fail("field 'parts': expected name, kind and fields for each")
+    result = []
+    for entry in given:
+        match entry:
+            case {"name": str(name), "kind": str(kind), "fields": dict(fields)} if len(entry) == 3:
+                result.append((name, kind, fields))
+            case _:
+                raise scope.fail(f"part {entry!r}: expected name, kind and fields")
+    names = [name for name, _, _ in result]
+    if len(set(names)) < len(names) or not all(name.isidentifier() for name in names):
+        raise scope.fail("field 'parts': expected a different name for each part")
+    for name in scope.certificate.witness:
+        if name.partition(".")[0] not in names:
+            raise scope.fail(f"witness {name!r} belongs to no part")
+    return result
+
+
+def _part(scope: Scope, name: str, kind: str, fields: dict) -> list[Proved]:
+    """Apply the kind of a part to its fields and its share of the witness."""
+    module = kinds.load(kind)
+    if module.prove is prove:
+        raise scope.fail(f"part {name!r}: a part may not be of kind {kind!r}")
+    for field in module.REQUIRED:
+        if field not in fields:
+            raise scope.fail(f"part {name!r}: field {field!r} is missing")
+    for field in fields:
+        if field not in (*module.REQUIRED, *module.OPTIONAL):
+            raise scope.fail(f"part {name!r}: unknown field {field!r} of kind {kind}")
+    whole = scope.certificate
+    own = {key.partition(".")[2]: rows for key, rows in whole.witness.items() if key.partition(".")[0] == name}
+    part = whole.changed(id=f"{whole.id}, {name}", kind=kind, fields=fields, witness=own, claims=())
+    inner = Scope(part, scope.reader.tables)
+    # what the part's formulas read is data of the whole
+    inner.reader = scope.reader
+    return module.prove(inner)
+
+
+def prove(scope: Scope) -> list[Proved]:
+    """Prove every part at the level."""
+    name = scope.field("level")
+    if name not in [defined for defined, _ in scope.certificate.definitions]:
+        raise scope.fail(f"field 'level': {name!r} is no definition")
+    scope.define()
+    found = [Proved("level", "at_least", to_text(scope.number(name)))]
+    for part, kind, fields in _parts(scope):
+        for p in _part(scope, part, kind, fields):
+            found.append(Proved(f"{part}.{p.of}", p.relation, p.value))
+    return found
