@@ -1,6 +1,5 @@
 """What Theorem 1 of zhang2013 gives for gains at hand: the least gamma, and the largest d_M."""
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -126,11 +125,7 @@ def largest_delay(
     def holds(d_M: float) -> bool:
         at = replace(loop, d_M=d_M)
         held = [form(at, v, gamma**2, part) < 0 for part in PARTS]
-        with (
-            warnings.catch_warnings()
-        ):  # the solver's doubts about its accuracy: a point counts only once it is checked
-            warnings.simplefilter("ignore", UserWarning)
-            found = solve(Program(subject_to=[*held, *v.positive], label="(9) for a gamma"))
+        found = solve(Program(subject_to=[*held, *v.positive], label="(9) for a gamma"))
         if isinstance(found, Solved):
             return True
         try:
