@@ -3,6 +3,7 @@
 Nothing a solver says is taken as a result: points and multipliers go through `solving` and `duality`, which recompute.
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -160,7 +161,9 @@ def _cvxpy(scaled: Scaled, constraints: Sequence, margin: float, setting: str) -
             entries = shifted + tensor @ x
             stated.append(entries == 0 if isinstance(constraint, Equal) else entries >= 0)
     problem = cvxpy.Problem(cvxpy.Minimize(scaled.cost @ x), stated)
-    problem.solve(solver=cvxpy.CLARABEL)
+    with warnings.catch_warnings(record=True) as said:  # into the record of the attempt, not onto the terminal
+        warnings.simplefilter("always")
+        problem.solve(solver=cvxpy.CLARABEL)
     # cvxpy's multiplier of an equality has the other sign
     duals = tuple(
         np.asarray(c.dual_value) * (-1 if isinstance(of, Equal) else 1)
@@ -172,5 +175,6 @@ def _cvxpy(scaled: Scaled, constraints: Sequence, margin: float, setting: str) -
         "status": problem.status,
         "iterations": stats.num_iters,
         "seconds": stats.solve_time,
+        "warnings": [str(warning.message) for warning in said],
     }
     return Raw(x.value, duals, float(problem.value), float("nan"), record)
