@@ -53,6 +53,11 @@ def angle_size(t, state: np.ndarray):
     return np.abs(state[..., ANGLES]).max(axis=-1)
 
 
+def rate_size(t, state: np.ndarray):
+    """Largest modulus of the three Euler rates, rad/s."""
+    return np.abs(state[..., RATES]).max(axis=-1)
+
+
 def mode_size(t, state: np.ndarray):
     """Largest modulus of the modal coordinates, kg^0.5 m."""
     return np.abs(state[..., MODES]).max(axis=-1)
@@ -65,11 +70,14 @@ def extremes(loop: FlexibleLoop, solution) -> dict[str, tuple[float, float, str]
     end = float(solution.times[-1])
     settled = solution.last_exit(angle_size, SETTLED * first)
     residual = solution.largest(angle_size, after=end - WINDOW)
+    rate = solution.largest(rate_size, after=end - WINDOW)
     modes, quiet = solution.largest(mode_size), solution.largest(mode_size, after=end - WINDOW)
     return {
         "peak_torque": (torque.time, torque.value, "N m"),
         "first_angle": (0.0, first, "rad"),
         "residual_angle": (residual.time, residual.value, "rad"),
+        "first_rate": (0.0, float(np.abs(loop.start()[RATES]).max()), "rad/s"),
+        "residual_rate": (rate.time, rate.value, "rad/s"),
         "settling_time": (settled, settled, "s"),
         "peak_mode": (modes.time, modes.value, "kg^0.5 m"),
         "residual_mode": (quiet.time, quiet.value, "kg^0.5 m"),
@@ -177,8 +185,12 @@ def measure(prefix: str, wanted: Mapping[str, str]) -> Callable[[Case, Log], dic
 
 
 ALL = {
-    key: key for key in ("peak_torque", "first_angle", "residual_angle", "settling_time", "peak_mode", "residual_mode")
-}
+    key: key
+    for key in (
+        "peak_torque", "first_angle", "residual_angle", "first_rate", "residual_rate", "settling_time", "peak_mode",
+        "residual_mode",
+    )
+}  # fmt: skip
 
 
 def nothing(case: Case, log: Log) -> dict[str, Measured]:
