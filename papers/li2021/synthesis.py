@@ -11,7 +11,7 @@ from gainsay.lmi import Infimum, Solved, infimum, solve
 from gainsay.proof import build
 from gainsay.tables import Case
 from gainsay.tables.results import Results, task
-from papers.li2021 import arcs, certify, design, identities, lmis, plant, proofs, robust
+from papers.li2021 import arcs, certify, design, equivalence, identities, lmis, plant, proofs, robust
 
 #: shares of the limits of disk and norm found in floating point at which the certificate is made
 ROOM, ROOM_OF_NORM, ROOM_OF_ONE = 0.998, 0.992, 0.995
@@ -123,6 +123,21 @@ def theorem1(case: Case, results: Results) -> None:
         results.certificate(proofs.theorem1(case, found.multipliers["(13)"], divided))
         results.quantity(quantity, 0, method="Farkas multipliers of a linear consequence", source="(13), Table 1")
     results.say("(13)", "infeasible at Table 1's scalars in both readings of eps2")
+
+
+@task("(17) against (13)")
+def not_equivalent(case: Case, results: Results) -> None:
+    """(13) holds at some scalars, although (17) does at none."""
+    program = lmis.lemma3_synthesis(
+        lmis.Model.of(case), case.number("lambda"), case.number("gamma"), case.number("eps1")
+    )
+    found = solve(lmis.pushed(program))
+    if not isinstance(found, Solved):
+        raise ComputationError("(13)", "no point with room to spare", found.attempts)
+    results.certificate(equivalence.certificate(case, found.values))
+    results.quantity("eq13.feasible_elsewhere", 1, source="Theorem 2",
+                     method=f"a point at eps2 = {equivalence.EPS2}, delta_m = {equivalence.DELTA_M}")  # fmt: skip
+    results.say("(17) against (13)", "not equivalent: (13) has a solution at some scalars, (17) at none")
 
 
 @task("(19) with (12)")
@@ -323,6 +338,7 @@ TASKS = (
     start_ellipsoid,
     theorem2,
     theorem1,
+    not_equivalent,
     lemma4,
     lemma3,
     lambda_band,

@@ -1,0 +1,46 @@
+"""The solution of (13) behind the erratum on Theorem 2."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gainsay.errors import CertificateError
+from gainsay.lmi import solve
+from gainsay.proof import check
+from gainsay.tables import read_case
+from papers.li2021 import equivalence, lmis
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def case():
+    return read_case(ROOT, "li2021")
+
+
+def test_point_undoes_the_congruence(case):
+    """X, Y, Ah, Bh, Ch of any controller lead back to it (identities: Fa = N A_f, Fb = N B_f, P = [X N; N -N])."""
+    model, rng = lmis.Model.of(case), np.random.default_rng(3)
+    S, N = 2 * np.eye(6) + 0.1, -3 * np.eye(6) - 0.2
+    Af, Bf, Cf = (rng.normal(size=shape) for shape in ((6, 6), (6, 3), (3, 6)))
+    X, Y = S - N, np.linalg.inv(S)
+    P, change = np.block([[X, N], [N, -N]]), np.block([[Y, np.eye(6)], [Y, np.zeros((6, 6))]])
+    loop = np.block([[model.A, model.B @ Cf], [Bf @ model.C, Af]])
+    values = {"X": X, "Y": Y, "Ah": (change.T @ P @ loop @ change)[6:, :6], "Bh": N @ Bf, "Ch": Cf @ Y}
+    found = equivalence.point(model, values)
+    for name, value in {"S": S, "N": N, "Fa": N @ Af, "Fb": N @ Bf, "Cf": Cf}.items():
+        np.testing.assert_allclose(found[name], value, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_certificate_holds_and_needs_a_small_variation(case):
+    """The same point fails at Table 1's own delta_m = 0.05: the certificate is about the scalars that it names."""
+    program = lmis.lemma3_synthesis(
+        lmis.Model.of(case), case.number("lambda"), case.number("gamma"), case.number("eps1")
+    )
+    found = equivalence.certificate(case, solve(lmis.pushed(program)).values)
+    assert check(found, case).conclusions[0].relation == "holds"
+    printed = [("dm", "number('delta_m')") if name == "dm" else (name, f) for name, f in found.definitions]
+    with pytest.raises(CertificateError):
+        check(found.changed(definitions=tuple(printed)), case)
