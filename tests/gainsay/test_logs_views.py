@@ -238,6 +238,8 @@ def viewer(rrd, png):
     try:
         return render(rrd, png)
     except NotCheckedError as error:
+        if os.environ.get("CI"):
+            raise  # where the driver is to be installed, not to look is no pass
         pytest.skip(str(error))
 
 
