@@ -23,12 +23,17 @@ class FlexibleLoop:
         rad.
     delta : tuple of float, optional
         Normalised inertia perturbations.
+    modes : float, optional
+        Every modal coordinate at the start, kg^0.5 m; at rest. The paper's tables where left out.
     """
 
-    def __init__(self, case, gains, amplitude: float | None = None, phase: float | None = None, delta=None) -> None:
+    def __init__(
+        self, case, gains, amplitude: float | None = None, phase: float | None = None, delta=None, modes=None
+    ) -> None:
         self.k = plant.constants(case)
         self.gains, self.case = gains, case
         self.amplitude = case.number("delta_m") if amplitude is None else amplitude
+        self.modes = case.number("modal_start") if modes is None else modes
         self.phase = case.number("variation_phase") if phase is None else phase
         delta = INERTIAS[case.choice("inertia_case")] if delta is None else delta
         self.plant = plant.flexible(self.k, delta)
@@ -54,9 +59,10 @@ class FlexibleLoop:
         return self.nominal + self.variation(t) * self.slope
 
     def start(self) -> np.ndarray:
-        """Table 1's angles and rates; modes and controller at rest."""
+        """Table 1's angles and rates; modal rates and controller zero."""
         state = np.zeros(23)
         state[:6] = self.case.matrix("x0").ravel()
+        state[MODES], state[CONTROLLER] = self.modes, self.case.number("controller_start")
         state[[20, 22]] = 1
         return state
 

@@ -1,15 +1,17 @@
-"""The solution of (13) behind the erratum on Theorem 2."""
+"""The solution of (13) behind the erratum on Theorem 2, and how firmly the printed gains fail (12)."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.linalg import solve_continuous_lyapunov
 
 from gainsay.errors import CertificateError
 from gainsay.lmi import solve
 from gainsay.proof import check
 from gainsay.tables import read_case
-from papers.li2021 import equivalence, lmis
+from papers.li2021 import equivalence, lmis, plant
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -44,3 +46,24 @@ def test_certificate_holds_and_needs_a_small_variation(case):
     printed = [("dm", "number('delta_m')") if name == "dm" else (name, f) for name, f in found.definitions]
     with pytest.raises(CertificateError):
         check(found.changed(definitions=tuple(printed)), case)
+
+
+@pytest.mark.slow
+def test_digits_cut_off_in_print_do_not_decide_equation_12(case):
+    """At lambda = 1 the margin by which (12) fails hardly moves over the half units of the printed gains."""
+    model, rng = lmis.Model.of(case), np.random.default_rng(0)
+
+    def margin(gains):
+        loop = plant.closed_loop(plant.rigid(plant.constants(case)), gains)
+        T = np.linalg.cholesky(solve_continuous_lyapunov(loop, -np.eye(12)))
+        return solve(lmis.pushed(lmis.lemma3_analysis(model, gains, case.number("lambda"), T, np.inf))).objective
+
+    printed = margin(plant.controller(case, "proposed"))
+    assert printed > 0
+    for _ in range(3):
+        moved = {}
+        for letter in "ABC":
+            matrix = case.printed(f"{letter}f")
+            half = np.array(matrix.half_units, dtype=float)
+            moved[letter] = matrix.floats + half * rng.choice((-1, 1), half.shape)
+        assert margin(SimpleNamespace(**moved)) == pytest.approx(printed, rel=0.01)
