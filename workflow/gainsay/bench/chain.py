@@ -41,7 +41,7 @@ def _imports(root: Path, paper: str) -> float:
     return total
 
 
-def pipeline(root: Path, case: Case) -> Row:
+def pipeline(root: Path, case: Case) -> Iterator[Row]:
     """Measure the cold pipeline of a paper against an empty DAG, bare imports and the bare work of its tasks."""
     with tempfile.TemporaryDirectory() as place:
         folder = _copy(root, Path(place))
@@ -56,7 +56,7 @@ def pipeline(root: Path, case: Case) -> Row:
             tasks = import_module(f"papers.{case.name}.{step}").TASKS
             work += sum(cpu_of(lambda t=task: t(case, _Discard(case))) for task in tasks)
         work += sum(cpu_of(lambda r=run: _integrate(case, r)) for run in import_module(f"papers.{case.name}.runs").RUNS)
-        return Row(f"{case.name}: cold pipeline", "empty DAG + imports + bare work", cold,
+        yield Row(f"{case.name}: cold pipeline", "empty DAG + imports + bare work", cold,
                    dag + _imports(folder, case.name) + work, 1.5)  # fmt: skip
 
 
@@ -64,12 +64,12 @@ class _Discard:
     """Stands for `Results` where only the work of a task counts."""
 
     def __init__(self, case: Case) -> None:
-        self._case = case
+        self.case = case
 
     def read_design(self, name: str) -> object:
         from gainsay.tables.results import read_design
 
-        return read_design(self._case.root, self._case.name, name)
+        return read_design(self.case.root, self.case.name, name)
 
     def __getattr__(self, name: str) -> object:
         return lambda *arguments, **named: None
@@ -81,12 +81,12 @@ def _integrate(case: Case, run: object) -> None:
     run.simulate(case, Designs(case), _Discard(case))
 
 
-def proofs(case: Case) -> Row | None:
+def proofs(case: Case) -> Iterator[Row]:
     """Measure checking all certificates of a paper against reading them."""
     files = sorted((case.results / "certificates").glob("*.json"))
     if not files:
-        return None
-    return paired(f"{case.name}: check {len(files)} certificates", lambda: [check_file(f, case.root) for f in files],
+        return
+    yield paired(f"{case.name}: check {len(files)} certificates", lambda: [check_file(f, case.root) for f in files],
                   "reading the files", lambda: [f.read_bytes() for f in files], runs=3)  # fmt: skip
 
 
