@@ -1,6 +1,8 @@
-"""Figures 3 to 9 of the paper, drawn again, and two of our own; everything from the logs or the tables."""
+"""Figures 3 to 9 of the paper, drawn again, and three of our own, from the logs, the tables and the synthesis."""
 
+import re
 from collections.abc import Mapping
+from types import SimpleNamespace
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -8,7 +10,10 @@ from matplotlib.patches import Circle
 
 from gainsay.figures import FigureSpec, bound, curve, curves, finish, panels
 from gainsay.logs import Log
+from gainsay.logs.palette import role
+from gainsay.systems.norms import hinf_norm
 from gainsay.tables import Case
+from gainsay.tables.results import read_design, read_part
 from papers.li2021 import plant
 
 ANGLES = ("roll", "pitch", "yaw")
@@ -85,14 +90,45 @@ def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     left, right = panels(figure, ["Largest Euler angle [rad]", "Norm of the torque [N m]"], columns=2)
     named = (("proposed", "printed", "nominal"), ("comparison", "[39]", "comparison"), ("repaired", "ours", "axis_3"),
              ("best", "largest variation", "perturbed"))  # fmt: skip
-    for run, label, role in named:
+    for run, label, look in named:
         signal, size = logs[run]["/attitude/angles"], logs[run]["/wheels/torque_size"]
         shown = signal.time <= 60.0
-        curve(left, signal.time[shown], np.abs(signal.values[shown]).max(axis=1), role, label)
-        curve(right, size.time[size.time <= 30.0], size.column("size")[size.time <= 30.0], role, label)
+        curve(left, signal.time[shown], np.abs(signal.values[shown]).max(axis=1), look, label)
+        curve(right, size.time[size.time <= 30.0], size.column("size")[size.time <= 30.0], look, label)
     left.set_yscale("log")
     for panel in (left, right):
         finish(panel)
+
+
+def tradeoff(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
+    """Draw the gain variation reached over the norm and over the disk that the poles need, from synthesis."""
+    read = [row for row in read_part(case, "quantities") if row["quantity"].startswith(("tradeoff.", "certified."))]
+    values = {row["quantity"]: float(row["value"]) for row in read}
+    numbers = sorted(int(name.split(".")[1]) for name in values if re.fullmatch(r"tradeoff\.\d+\.delta_m", name))
+    searched = [[values[f"tradeoff.{i}.{what}"] for i in numbers] for what in ("norm", "disk_radius", "delta_m")]
+    nominal, C = plant.rigid(plant.constants(case)), np.eye(3, 12)
+    B = np.vstack([nominal.B, np.zeros((6, 3))])
+    certified = []
+    for name, label, look, marker in (
+        ("printed", "printed", "nominal", "o"),
+        ("repaired", "repaired", "axis_3", "s"),
+        ("best", "largest", "perturbed", "D"),
+    ):
+        matrices = None if name == "printed" else read_design(case.root, case.name, name)
+        gains = plant.controller(case, "proposed") if matrices is None else SimpleNamespace(**matrices)
+        loop = plant.closed_loop(nominal, gains)
+        radius = np.abs(np.linalg.eigvals(loop) + case.number("disk_centre")).max()
+        certified.append((hinf_norm(loop, B, C)[0], radius, values[f"certified.{name}.delta_m"], label, look, marker))
+    axes = panels(figure, ["Largest gain variation delta_m [1]"] * 2, columns=2, share_time=False)
+    for column, title in enumerate(("norm from d~ to y [rad/(N m)]", "largest |s + 1.01| over the poles [1/s]")):
+        panel = axes[column]
+        body = role("body").on_light
+        panel.plot(searched[column], searched[2], "o", mfc="none", color=body, label="searched")
+        for *place, reached, label, look, marker in certified:
+            panel.plot(place[column], reached, marker, color=role(look).on_light, label=label)
+        bound(panel, case.number("delta_m"), "the paper's")
+        panel.set_ylim(0, 1.1 * max(values[name] for name in values if name.endswith(".delta_m")))
+        finish(panel, x=title, legend=column == 0)
 
 
 def _runs(name: str) -> tuple[str, ...]:
@@ -108,5 +144,6 @@ FIGURES = (
     FigureSpec("figure_8", _runs("proposed"), random_gains("proposed"), 7.0),
     FigureSpec("figure_9", _runs("comparison"), random_gains("comparison"), 7.0),
     FigureSpec("random_repaired", _runs("repaired"), random_gains("repaired"), 7.0),
+    FigureSpec("tradeoff", (), tradeoff),
     FigureSpec("designs", ("proposed", "comparison", "repaired", "best"), designs),
 )  # fmt: skip

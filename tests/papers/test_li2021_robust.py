@@ -10,7 +10,8 @@ from gainsay.errors import CertificateError, ComputationError
 from gainsay.lmi import Solved, solve
 from gainsay.proof import check
 from gainsay.tables import read_case
-from papers.li2021 import arcs, certify, design, identities, lmis, plant, proofs, robust
+from papers.li2021 import arcs, certify, design, identities, lmis, plant, proofs, robust, synthesis
+from papers.li2021.figures import FIGURES
 
 ROOT = Path(__file__).resolve().parents[2]
 RNG = np.random.default_rng(11)
@@ -219,3 +220,13 @@ def test_full_certificate_refuses_forged_arcs(case, whole):
     # a conclusion beyond the level
     beyond = [c.__class__(c.quantity, c.relation, "0.051", c.of) for c in whole.conclusions]
     assert "does not follow" in refused(whole, case, conclusions=tuple(beyond))
+
+
+def test_every_figure_has_a_caption_and_every_stage_its_quantities(case):
+    assert {figure.name for figure in FIGURES} == set(case.paper.figures)
+    count = len(synthesis.STAGES) + len(synthesis.ASIDE)
+    for number in range(1, count + 1):
+        assert {f"tradeoff.{number}.{what}" for what in ("delta_m", "static_gain", "norm", "disk_radius")} <= set(
+            case.quantities
+        )
+    assert f"tradeoff.{count + 1}.delta_m" not in case.quantities
