@@ -102,9 +102,9 @@ def kinematics(case, results):
     results.say("(1) to (8)", "rotation, rates and linearisations proved as printed")
 
 
-@task("(13) to (17)")
+@task("(13) to (18)")
 def transformations(case, results):
-    """Prove or refute the linear fractional transformations of one block each; v stands for 1/I."""
+    """Prove or refute the linear fractional transformations of one block each, and (18); v stands for 1/I."""
     names, exact = "I v p d", "(I + p*d)"
     relation, point = ["I*v - 1"], {"I": "2", "v": "1/2", "p": "1/2", "d": "1"}
     _different(case, results, "eq13.printed", "With (1 + delta/I)^-1 the second line of (13) is not 1/(I + p delta).",
@@ -130,7 +130,15 @@ def transformations(case, results):
               "[[3*n**2*(I + p*d)], [-3*n**2*(I + p*d)]]", source="(15)")  # fmt: skip
     _different(case, results, "eq17.torque_sign", "The coefficient -1/Iy of d and u in (17), (18) is not that of (12).",
                "-v", "v", {"v": "1/2"}, "(12), (17), (18)")  # fmt: skip
-    results.say("(13) to (17)", "two blocks and a sign refuted as printed, proved as corrected")
+    # w1 = delta_y z1 with z1 the acceleration itself, w2 = delta_x theta, w3 = -delta_z theta.
+    eighteen = (
+        "-3*n**2*(Ix - Iz)*v*theta - py*v*(dy*ddtheta) - 3*n**2*px*v*(dx*theta) - 3*n**2*pz*v*(-dz*theta) + v*d + v*u"
+    )
+    twelve = "u + d - 3*n**2*((Ix + px*dx) - (Iz + pz*dz))*theta"
+    _identity(case, results, "eq18.closed", "(18) with +1/Iy, its uncertainty loop closed, is (12) with (11).",
+              "Ix Iy Iz v px py pz dx dy dz n theta ddtheta u d", f"Iy*(ddtheta - ({eighteen}))",
+              f"(Iy + py*dy)*ddtheta - ({twelve})", modulo=["Iy*v - 1"], source="(11), (12), (18)")  # fmt: skip
+    results.say("(13) to (18)", "two blocks and a sign refuted as printed, proved as corrected; (18) proved")
 
 
 def _common_lyapunov(matrices: list[np.ndarray], alpha: float) -> np.ndarray | None:

@@ -269,6 +269,30 @@ def mixed_by_descent(plant: GeneralizedPlant, gamma: float, start: np.ndarray) -
     return gain(last.x), float(np.sqrt(cost(last.x) * size))
 
 
+def polished(plant: GeneralizedPlant, gamma: float, start: np.ndarray) -> np.ndarray:
+    """Gain of the least trace of Q to rounding, from the gain of a solver, whose error is the root of its gap's.
+
+    Raises
+    ------
+    ComputationError
+        If neither Newton's method nor a descent ends in a stationary point.
+    """
+    unit = np.maximum(np.abs(start), 1e-3 * np.abs(start).max())
+    size = trace_of_gain(plant, start, gamma)
+
+    def slope(y: np.ndarray) -> np.ndarray:
+        return (trace_gradient(plant, y.reshape(start.shape) * unit, gamma) * unit / size).ravel()
+
+    try:
+        found = root(slope, (start / unit).ravel(), tol=1e-13)
+        K = found.x.reshape(start.shape) * unit
+        if np.abs(found.fun).max() < 1e-9 and trace_of_gain(plant, K, gamma) <= size * (1 + 1e-9):
+            return K
+    except ComputationError:
+        pass  # a step left the gains that reach the level
+    return mixed_by_descent(plant, gamma, start)[0]
+
+
 def starting_gain(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray, np.ndarray]:
     """Gain that reaches a level, as close to the H2 limit as seven trials find, and its least covariance.
 

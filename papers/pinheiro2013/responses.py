@@ -15,6 +15,8 @@ from gainsay.simulation.linear import Peak, Response, with_harmonics
 from gainsay.simulation.ode import Trajectory, integrate
 from papers.pinheiro2013.plant import GROUPS, Satellite, linear_model
 
+#: time constants after which a mode has died out, and the step over a mode's own time
+LASTS, FINE = 14.0, 0.1
 #: an angle has settled once it stays below this share of its peak
 SETTLED = 0.02
 
@@ -68,6 +70,61 @@ def loop_matrix(actual: Satellite, group: str, K: np.ndarray) -> np.ndarray:
     return A - B @ K
 
 
+def stages(A: np.ndarray, length: float, step: float = np.inf) -> list[tuple[float, int]]:
+    """Durations and numbers of steps that follow every mode while it lasts: a slow mode must not hide a fast one.
+
+    Parameters
+    ----------
+    A : ndarray
+        Stable.
+    length : float
+        s.
+    step : float, optional
+        Longest step, s.
+    """
+    modes = sorted(np.linalg.eigvals(A), key=lambda p: p.real)
+    found, begin = [], 0.0
+    for i, mode in enumerate(modes):
+        end = min(LASTS / -mode.real, length)
+        if end > begin:
+            longest = min(FINE / max(abs(p) for p in modes[i:]), step)
+            found.append((end - begin, int(np.ceil((end - begin) / longest))))
+            begin = end
+    if begin < length:
+        found.append((length - begin, max(int(np.ceil((length - begin) / min(step, length))), 1)))
+    return found
+
+
+class Transient:
+    """Free response of a stable system until its slowest mode has died out, sampled stage by stage.
+
+    Parameters
+    ----------
+    A : ndarray
+    start : ndarray
+    """
+
+    def __init__(self, A: np.ndarray, start: np.ndarray) -> None:
+        self.pieces: list[tuple[float, Response]] = []
+        begin, length = 0.0, LASTS / -np.linalg.eigvals(A).real.max()
+        for duration, steps in stages(A, length):
+            response = Response(A, start, duration, steps)
+            self.pieces.append((begin, response))
+            begin, start = begin + duration, response.states[-1]
+
+    def peak(self, output: np.ndarray) -> Peak:
+        """Largest modulus of a linear output."""
+        peaks = [(begin, response.peak(output)) for begin, response in self.pieces]
+        return max((Peak(begin + p.time, p.value) for begin, p in peaks), key=lambda p: abs(p.value))
+
+    def last_above(self, output: np.ndarray, level: float) -> float:
+        """Time after which |c x| stays below a level, s."""
+        for begin, response in reversed(self.pieces):
+            if np.any(np.abs(response.states @ output) >= level):
+                return begin + response.last_above(output, level)
+        return 0.0
+
+
 class Disturbed:
     """Linear response to (25) from rest, piece by piece between the switching times.
 
@@ -83,9 +140,11 @@ class Disturbed:
         On which axes of the group it acts; every one by default.
     step : float
         Sampling, s.
+    fine : bool, optional
+        Whether to sample every mode of the loop after each switching time, as `stages` does.
     """
 
-    def __init__(self, satellite, group, K, torque, end, axes=None, step=1.0) -> None:
+    def __init__(self, satellite, group, K, torque, end, axes=None, step=1.0, fine=False) -> None:
         _, B = linear_model(satellite, group)
         acting = np.ones(B.shape[1]) if axes is None else np.asarray(axes, dtype=float)
         A, shape = loop_matrix(satellite, group, K), B @ acting
@@ -99,11 +158,14 @@ class Disturbed:
             whole, extra = with_harmonics(A, shape, rates, torque.amplitude, constant)
             for i, rate in enumerate(rates):
                 extra[2 * i], extra[2 * i + 1] = np.sin(rate * begin), np.cos(rate * begin)
-            response = Response(
-                whole, np.concatenate([state, extra]), stop - begin, max(int(np.ceil((stop - begin) / step)), 1)
-            )
-            self.pieces.append((begin, response))
-            state = response.states[-1, : self.size]
+            length = stop - begin
+            parts = stages(A, length, step) if fine else [(length, max(int(np.ceil(length / step)), 1))]
+            joined = np.concatenate([state, extra])
+            for duration, steps in parts:
+                response = Response(whole, joined, duration, steps)
+                self.pieces.append((begin, response))
+                begin, joined = begin + duration, response.states[-1]
+            state = joined[: self.size]
 
     def samples(self) -> tuple[np.ndarray, np.ndarray]:
         """Times and states of the satellite."""
@@ -124,12 +186,17 @@ class Disturbed:
         return max(found, key=lambda p: abs(p.value))
 
 
-def difference(nominal: np.ndarray, other: np.ndarray, start: np.ndarray, end: float, steps: int) -> Response:
-    """Response of two loops from the same start, their states one above the other."""
+def paired(nominal: np.ndarray, other: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """State matrix and start of two loops from the same start, their states one above the other."""
     n = len(start)
     A = np.zeros((2 * n, 2 * n))
     A[:n, :n], A[n:, n:] = nominal, other
-    return Response(A, np.concatenate([start, start]), end, steps)
+    return A, np.concatenate([start, start])
+
+
+def difference(nominal: np.ndarray, other: np.ndarray, start: np.ndarray, end: float, steps: int) -> Response:
+    """Response of two loops from the same start, their states one above the other."""
+    return Response(*paired(nominal, other, start), end, steps)
 
 
 def nonlinear(

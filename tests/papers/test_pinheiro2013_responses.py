@@ -67,3 +67,24 @@ def test_difference_of_two_loops_is_that_of_their_responses():
     both = responses.difference(A, B, start, 40.0, 80)
     assert both.states[:, :6] == pytest.approx(Response(A, start, 40.0, 80).states, abs=1e-12)
     assert both.states[:, 6:] == pytest.approx(Response(B, start, 40.0, 80).states, abs=1e-12)
+
+
+def test_slow_mode_does_not_hide_the_peak_of_a_fast_one():
+    # Closed form: e^(-b t) - e^(-a t) peaks at ln(a/b)/(a - b); a third mode lasts a hundred thousand times longer.
+    a, b = 16.0, 2.0
+    time = np.log(a / b) / (a - b)
+    response = responses.Transient(np.diag([-a, -b, -1e-4]), np.ones(3))
+    peak = response.peak(np.array([-1.0, 1.0, 0.0]))
+    assert peak.time == pytest.approx(time, rel=1e-9)
+    assert peak.value == pytest.approx(np.exp(-b * time) - np.exp(-a * time), rel=1e-12)
+    # e^(-b t) falls below 2 % at ln(50)/b, the slow mode at ln(50)/1e-4.
+    assert response.last_above(np.eye(3)[1], 0.02) == pytest.approx(np.log(50) / b, rel=1e-9)
+    assert response.last_above(np.eye(3)[2], 0.02) == pytest.approx(np.log(50) / 1e-4, rel=1e-9)
+
+
+def test_stages_cover_the_whole_length():
+    A = np.diag([-16.0, -2.0, -1e-4])
+    for length in (0.5, 10.0, 1e6):
+        parts = responses.stages(A, length, 10.0)
+        assert sum(duration for duration, _ in parts) == pytest.approx(length, rel=1e-12)
+        assert all(duration / steps <= 10.0 for duration, steps in parts)

@@ -76,10 +76,28 @@ def test_unit_of_the_rates_scales_every_angle(case, study):
 def test_level_without_the_disturbance_forgets_the_moments(case):
     # Closed form: without d the norm of D11 is p_i/I_i = 0.1 but for terms in n.
     found = [
-        scans.Study(case, {"disturbance_in_w": "h2_only", "inertia_x": x, "inertia_y": x, "inertia_z": x}).gamma_min()
+        scans.Study(case, {"norm_inputs": "channels_alone", "inertia_x": x, "inertia_y": x, "inertia_z": x}).gamma_min()
         for x in (3.0, 30.0)
     ]
     assert found == pytest.approx([0.1, 0.1], rel=1e-4)
+
+
+def test_level_of_d_alone_is_the_inverse_of_the_least_moment(case):
+    # Closed form: d enters the acceleration by 1/I, and D11 has no other column.
+    point = {"norm_inputs": "d_alone", "inertia_x": 8.0, "inertia_y": 7.0, "inertia_z": 5.0}
+    assert scans.Study(case, point).gamma_min() == pytest.approx(0.2, rel=1e-12)
+
+
+def test_gain_of_a_scan_is_a_stationary_point(case, study):
+    # Another way to the same gain: the descent over the gains, without an LMI.
+    for (level, group), K in study.gains.items():
+        other, _ = mixed.mixed_by_descent(study.plants[group], study.gamma(level, group), K * 1.001)
+        assert pytest.approx(other, rel=1e-7, abs=1e-9 * np.abs(other).max()) == K
+
+
+def test_every_reading_of_the_norm_inputs_is_stable_at_the_corners(case):
+    for reading in ("both", "d_alone", "channels_alone"):
+        assert scans.Study(case, {"norm_inputs": reading}).worst_abscissa() < 0
 
 
 def test_implausible_bodies_are_no_samples(case):
@@ -96,8 +114,9 @@ def test_every_question_has_its_claim_and_they_agree(case):
         assert claim.quantity == question.quantity
         limit, factor = float(claim.published), {"at_most": 1, "at_least": -1}.get(claim.comparator)
         if factor:
-            assert question.holds(limit * (1 - 1e-9 * factor))
-            assert not question.holds(limit * (1 + 1e-9 * factor))
+            slack = 1e-9 * factor * (abs(limit) or 1.0)
+            assert question.holds(limit - slack)
+            assert not question.holds(limit + slack)
 
 
 def test_level_below_the_least_is_refused_with_row_and_least(tmp_path):
