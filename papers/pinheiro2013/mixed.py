@@ -264,9 +264,12 @@ def mixed_by_descent(plant: GeneralizedPlant, gamma: float, start: np.ndarray) -
 
     first = minimize(cost, (start / scale).ravel(), jac=slope, method="BFGS", options={"gtol": 1e-9})
     last = root(slope, first.x, tol=1e-13)
-    if not np.abs(last.fun).max() < 1e-8 or cost(last.x) > first.fun * (1 + 1e-9):
-        raise ComputationError("(21)", f"descent over the gains stopped at a slope of {np.abs(last.fun).max():.1e}")
-    return gain(last.x), float(np.sqrt(cost(last.x) * size))
+    # The root finder may leave the gains that reach the level, where no slope is defined.
+    ends = [y for y in (first.x, last.x) if cost(y) <= first.fun * (1 + 1e-9)]
+    best = min(ends, key=lambda y: np.abs(slope(y)).max())
+    if not np.abs(slope(best)).max() < 1e-8:
+        raise ComputationError("(21)", f"descent over the gains stopped at a slope of {np.abs(slope(best)).max():.1e}")
+    return gain(best), float(np.sqrt(cost(best) * size))
 
 
 def polished(plant: GeneralizedPlant, gamma: float, start: np.ndarray) -> np.ndarray:

@@ -91,9 +91,13 @@ def quick_design(plant: GeneralizedPlant, gamma: float) -> np.ndarray:
     found = solve(program, unit.point, rounds=1)
     if not isinstance(found, Solved) or not found.gap < 1e-6:
         found = solve(program)
-    # Where the solver stops short of a point that holds, the descent starts from the gain of the normalisation.
-    start = np.linalg.solve(found["X"], found["Y"].T).T if isinstance(found, Solved) else unit.K
-    return unit.gain(mixed.polished(unit.plant, 1.0, start))
+    if isinstance(found, Solved):
+        try:
+            return unit.gain(mixed.polished(unit.plant, 1.0, np.linalg.solve(found["X"], found["Y"].T).T))
+        except ComputationError:
+            pass  # too close to the edge of the gains that reach the level
+    # Where the solver is of no help, the descent starts from the gain of the normalisation.
+    return unit.gain(mixed.polished(unit.plant, 1.0, unit.K))
 
 
 class Study:

@@ -6,6 +6,7 @@ import pytest
 
 from gainsay.errors import InputError
 from gainsay.proof import check
+from gainsay.systems.norms import hinf_norm
 from gainsay.tables import read_case
 from gainsay.tables.results import Results, run_tasks
 from papers.pinheiro2013 import audit, mixed, scans, synthesis
@@ -98,6 +99,16 @@ def test_gain_of_a_scan_is_a_stationary_point(case, study):
 def test_every_reading_of_the_norm_inputs_is_stable_at_the_corners(case):
     for reading in ("both", "d_alone", "channels_alone"):
         assert scans.Study(case, {"norm_inputs": reading}).worst_abscissa() < 0
+
+
+def test_gain_where_the_solver_stops_short(case):
+    # Just above the least level with heavy weights no point of the solver holds; the norm is its own oracle.
+    point = dict(zip(scans.DESIGN, (3.2, 2.0, 2.13, 2.7e-4, 10.0, 5.0, "both"), strict=True))
+    study = scans.Study(case, point)
+    plant, gamma = study.plants["roll_yaw"], study.gamma("hinf", "roll_yaw")
+    K = study.gains["hinf", "roll_yaw"]
+    assert hinf_norm(*plant.closed(K)[:4])[0] < gamma
+    assert mixed.trace_of_gain(plant, K, gamma) < mixed.trace_of_gain(plant, mixed.limit_gain(plant), gamma)
 
 
 def test_implausible_bodies_are_no_samples(case):
