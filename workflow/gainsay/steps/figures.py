@@ -1,4 +1,4 @@
-"""Draw the figures of a paper from its logs alone."""
+"""Draw the figures of a paper from its logs alone; one that sets designs beside each other, from the quantities."""
 
 import sys
 from importlib import import_module
@@ -32,7 +32,7 @@ def figures(case: Case) -> None:
             for ending in ("svg", "png"):
                 (case.results / "figures" / f"{figure.name}.{ending}").unlink(missing_ok=True)
             draw(case, figure)
-            results.say(figure.name, f"from {', '.join(figure.runs)}")
+            results.say(figure.name, f"from {', '.join(figure.runs) or 'the quantities'}")
     results.close()
 
 
