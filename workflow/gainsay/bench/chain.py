@@ -9,7 +9,6 @@ from pathlib import Path
 from statistics import median
 
 from gainsay.bench.measure import Row, cpu_of, cpu_of_command, paired
-from gainsay.logs import read_log
 from gainsay.proof import check_file
 from gainsay.tables import Case
 
@@ -91,14 +90,18 @@ def proofs(case: Case) -> Iterator[Row]:
 
 
 def replays(case: Case) -> Iterator[Row]:
-    """Measure `gainsay replay` against bare reading plus the same imports."""
+    """Measure `gainsay replay`, with and without its figures, against bare reading plus the same imports."""
     log = case.results / "logs" / f"{next(iter(case.paper.runs))}.mcap"
     if not log.is_file():
         return
-    imports = f"import gainsay.cli, gainsay.steps.replay, papers.{case.name}.runs, papers.{case.name}.figures"
-    bare = f"{imports}; from pathlib import Path; from gainsay.logs import read_log; read_log(Path({str(log)!r}))"
-    command = [sys.executable, "-m", "gainsay.cli", "replay", "--numbers-only", str(log)]
-    read_log(log)
-    yield paired(f"{case.name}: replay of one run", lambda: command, "reading it + imports",
-                 lambda: [sys.executable, "-c", bare], aim=2.0, runs=3,
-                 timer=lambda make: cpu_of_command(make(), case.root))  # fmt: skip
+    read = f"from pathlib import Path; from gainsay.logs import read_log; read_log(Path({str(log)!r}))"
+    for what, extra, flags in (
+        ("numbers", "", ["--numbers-only"]),
+        ("and figures", f", papers.{case.name}.figures", []),
+    ):
+        bare = f"import gainsay.cli, gainsay.steps.replay, papers.{case.name}.runs{extra}; {read}"
+        again = [sys.executable, "-m", "gainsay.cli", "replay", *flags, str(log)]
+        alone = [sys.executable, "-c", bare]
+        yield paired(f"{case.name}: replay, {what}", lambda again=again: again, "reading it + imports",
+                     lambda alone=alone: alone, aim=2.0, runs=3,
+                     timer=lambda make: cpu_of_command(make(), case.root))  # fmt: skip
