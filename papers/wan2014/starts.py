@@ -49,6 +49,11 @@ def settling_time(case: Case, trajectory: Trajectory) -> float:
     return last_crossing(trajectory, excess)
 
 
+def thrust_ratio(loop: ClosedLoop, trajectory: Trajectory) -> float:
+    """Return the largest thrust over its bound of (5), all axes, over continuous time."""
+    return largest(trajectory, lambda t, x: np.max(np.abs(loop.thrust(x[:, ESTIMATE])) / loop.limits, axis=1))[1]
+
+
 def fluctuation(loop: ClosedLoop, trajectory: Trajectory) -> float:
     """Return the total variation of f_x between samples 0.05 s apart over the first part of a run, N."""
     time = np.arange(0, FLUCTUATION + 0.025, 0.05)
@@ -86,10 +91,9 @@ def fly(case: Case, position_share: float, velocity_share: float) -> Flight:
     loop = ClosedLoop(case, case.matrix("K"), case.matrix("L"))
     end = case.number("horizon")
     trajectory = loop.simulate(start(case, position_share, velocity_share), end, rtol=RTOL, method="LSODA")
-    ratio = largest(trajectory, lambda t, x: np.max(np.abs(loop.thrust(x[:, ESTIMATE])) / loop.limits, axis=1))[1]
     final = trajectory(end)
     return Flight(
-        thrust_ratio=ratio,
+        thrust_ratio=thrust_ratio(loop, trajectory),
         range_3000s=float(np.linalg.norm(trajectory(3000.0)[POSITION])),
         final_range=float(np.linalg.norm(final[POSITION])),
         final_speed=float(np.linalg.norm(final[VELOCITY])),
@@ -136,7 +140,7 @@ def transient_ratio(case: Case, position_share: float) -> float:
     """Return the largest thrust over its bound when a part of the position and no velocity is known at the start."""
     loop = ClosedLoop(case, case.matrix("K"), case.matrix("L"))
     trajectory = loop.simulate(start(case, position_share, 0.0), TRANSIENT, rtol=RTOL)
-    return largest(trajectory, lambda t, x: np.max(np.abs(loop.thrust(x[:, ESTIMATE])) / loop.limits, axis=1))[1]
+    return thrust_ratio(loop, trajectory)
 
 
 @task("Figure 4, (5)")

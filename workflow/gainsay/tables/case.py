@@ -94,7 +94,7 @@ class Case:
         return self._matrices[name]
 
     def matrix(self, name: str) -> np.ndarray:
-        """Return the nearest doubles of a printed matrix, read-only."""
+        """Return the nearest doubles of a printed matrix, read-only, in the unit of its row: as printed, not SI."""
         return self.printed(name).floats
 
     @cached_property
