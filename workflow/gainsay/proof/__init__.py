@@ -1,6 +1,7 @@
 """Certificates and their independent checker: python-flint is all it imports, and only when something is checked.
 
-Public names: `Certificate`, `Conclusion`, `Proof`, `check`, `check_file`, and the builders of `gainsay.proof.build`.
+Public names: `Certificate`, `Conclusion`, `Proof`, `check`, `check_file`, `formulas_digest`, and the builders of
+`gainsay.proof.build`.
 """
 
 from importlib import import_module
@@ -13,6 +14,7 @@ _HOMES = {
     "Proof": "checker",
     "check": "checker",
     "check_file": "checker",
+    "formulas_digest": "stated",
     "read_certificate": "checker",
 }
 

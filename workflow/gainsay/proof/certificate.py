@@ -36,7 +36,7 @@ from typing import Any
 
 from gainsay.errors import CertificateError
 
-__all__ = ["RELATIONS", "Certificate", "Conclusion"]
+__all__ = ["RELATIONS", "Certificate", "Conclusion", "plain"]
 
 FORMAT, VERSION = "gainsay certificate", 1
 RELATIONS = ("at_most", "at_least", "less_than", "greater_than", "holds", "fails", "inside")
@@ -104,10 +104,10 @@ class Certificate:
             "kind": self.kind,
             "precision": self.precision,
             "definitions": [[name, text] for name, text in self.definitions],
-            "unknowns": _plain(self.unknowns),
-            "fields": _plain(self.fields),
-            "witness": _plain(self.witness),
-            "data": _plain(self.data),
+            "unknowns": plain(self.unknowns),
+            "fields": plain(self.fields),
+            "witness": plain(self.witness),
+            "data": plain(self.data),
             "conclusions": [asdict(c) for c in self.conclusions],
             "faith": list(self.faith),
         }
@@ -214,11 +214,12 @@ def _no_float(text: str) -> Any:
     raise ValueError(f"{text} is not exact: numbers are texts here")
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Value as plain JSON: nested dicts and lists of texts, booleans, integers and None."""
     if isinstance(value, Mapping):
-        return {str(k): _plain(v) for k, v in value.items()}
+        return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(v) for v in value]
+        return [plain(v) for v in value]
     if value is None or isinstance(value, str | bool) or type(value) is int:
         return value
     raise CertificateError(f"{value!r} cannot stand in a certificate: write numbers as exact texts")

@@ -4,6 +4,8 @@ A module of this package is a kind under its own name. It defines
 
 - ``THEOREM``: what the conclusions rest on, one line;
 - ``REQUIRED``, ``OPTIONAL``: names of the certificate's fields;
+- ``LEVELS``: those of them whose number is the level that is proved, so that a conclusion carries it ("inputs.bound":
+  of each entry of a list); ``FOUND``: those that are free to be found as a witness is;
 - ``prove(scope) -> list[Proved]``: checks the witness and says what follows; raises `CertificateError` otherwise.
 """
 

@@ -17,6 +17,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "the bounded real lemma"
 REQUIRED = ("A", "B", "C", "gamma")
 OPTIONAL = ("D",)
+LEVELS = ("gamma",)
+FOUND = ()
 
 
 def systems(scope: Scope, names: tuple[str, ...]) -> list[tuple[Matrix, ...]]:

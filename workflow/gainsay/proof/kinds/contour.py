@@ -42,6 +42,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "mixed structured singular value bound on the whole boundary, checked arc by arc in balls"
 REQUIRED = ("A", "H", "Cz", "blocks", "arcs")
 OPTIONAL = ("Dw", "shift", "radius", "alpha", "scale", "B", "C", "D", "Dd", "Ew", "gamma")
+LEVELS = ("alpha", "radius", "gamma")
+FOUND = ("arcs", "scale")
 _DEPTH = 16
 
 

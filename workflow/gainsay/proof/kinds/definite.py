@@ -11,6 +11,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "a symmetric matrix is positive definite if and only if its Cholesky factorisation exists"
 REQUIRED = ("constraint",)
 OPTIONAL = ()
+LEVELS = ()
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:

@@ -11,6 +11,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "formulas that differ at one point are not identical"
 REQUIRED = ("left", "right")
 OPTIONAL = ()
+LEVELS = ()
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:

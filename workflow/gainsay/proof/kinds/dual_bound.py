@@ -14,6 +14,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "weak duality of semidefinite programmes"
 REQUIRED = ("constraints", "bound")
 OPTIONAL = ("congruences", "boxes", "minimise", "maximise")
+LEVELS = ("bound",)
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:

@@ -25,6 +25,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "enclosures of all eigenvalues, each simple"
 REQUIRED = ("matrix", "measure")
 OPTIONAL = ("shift", "points")
+LEVELS = ()
+FOUND = ()
 
 
 def _points(scope: Scope) -> list[acb]:

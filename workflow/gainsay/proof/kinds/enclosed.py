@@ -15,6 +15,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "interval arithmetic encloses the value"
 REQUIRED = ("formula",)
 OPTIONAL = ("low", "high")
+LEVELS = ("low", "high")
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:

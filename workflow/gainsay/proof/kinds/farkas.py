@@ -18,6 +18,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "Farkas' lemma for linear matrix inequalities"
 REQUIRED = ("constraints",)
 OPTIONAL = ("congruences", "boxes")
+LEVELS = ()
+FOUND = ()
 
 
 def prove(scope: Scope, elementwise: bool = False) -> list[Proved]:

@@ -14,6 +14,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "a point that satisfies the constraints shows that they are feasible"
 REQUIRED = ("constraints",)
 OPTIONAL = ("minimise", "maximise", "boxes")
+LEVELS = ()
+FOUND = ()
 
 
 def inside_boxes(scope: Scope) -> None:

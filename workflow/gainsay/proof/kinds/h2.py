@@ -18,6 +18,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "the observability Gramian inequality"
 REQUIRED = ("A", "B", "C", "bound")
 OPTIONAL = ("lower",)
+LEVELS = ("bound", "lower")
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:

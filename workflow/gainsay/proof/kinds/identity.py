@@ -12,6 +12,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "polynomials with rational coefficients that are equal term by term are equal everywhere"
 REQUIRED = ("left", "right")
 OPTIONAL = ("modulo",)
+LEVELS = ()
+FOUND = ()
 
 
 def difference(scope: Scope) -> Matrix:

@@ -18,6 +18,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "every requirement proved at the level by a kind of its own"
 REQUIRED = ("level", "parts")
 OPTIONAL = ()
+LEVELS = ()
+FOUND = ()
 
 
 def _parts(scope: Scope) -> list[tuple[str, str, dict]]:

@@ -19,6 +19,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "Farkas' lemma for linear inequalities over a box"
 REQUIRED = ("constraints", "boxes", "answer")
 OPTIONAL = ()
+LEVELS = ()
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:

@@ -18,6 +18,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "Lyapunov's inequality with decay rate"
 REQUIRED = ("matrix", "alpha")
 OPTIONAL = ()
+LEVELS = ("alpha",)
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:

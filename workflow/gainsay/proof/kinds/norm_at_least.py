@@ -17,6 +17,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "the gain at one frequency is at most the supremum over all"
 REQUIRED = ("A", "B", "C", "frequency", "gamma")
 OPTIONAL = ("D",)
+LEVELS = ("gamma",)
+FOUND = ("frequency",)
 
 
 def prove(scope: Scope) -> list[Proved]:

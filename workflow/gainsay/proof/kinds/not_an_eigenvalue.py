@@ -20,6 +20,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "a matrix with an approximate inverse of residual below one is regular"
 REQUIRED = ("matrix", "real", "imaginary")
 OPTIONAL = ()
+LEVELS = ()
+FOUND = ()
 
 
 def row_norm(matrix: acb_mat) -> arb:

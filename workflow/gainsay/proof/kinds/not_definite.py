@@ -13,6 +13,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "a form that is not positive on some vector z != 0 is not positive definite"
 REQUIRED = ("constraint",)
 OPTIONAL = ()
+LEVELS = ()
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:

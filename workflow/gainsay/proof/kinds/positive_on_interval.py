@@ -21,6 +21,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "a matrix polynomial that is positive at one point and regular on an interval is positive on it"
 REQUIRED = ("constraint", "low", "high")
 OPTIONAL = ()
+LEVELS = ()
+FOUND = ()
 
 
 def coefficients(form: Matrix) -> list[fmpq_mat]:

@@ -26,6 +26,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "a quadratic Lyapunov function with the S-procedure"
 REQUIRED = ("A",)
 OPTIONAL = ("Q", "x0", "cost", "inputs", "H", "Cz", "Dw", "blocks")
+LEVELS = ("cost", "inputs.bound")
+FOUND = ()
 
 
 def derivative(scope: Scope, a: Matrix, p: Matrix, q: Matrix) -> tuple[Matrix, bool]:

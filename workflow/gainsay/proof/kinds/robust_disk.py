@@ -21,6 +21,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "Stein's inequality with the S-procedure"
 REQUIRED = ("A", "H", "Cz", "blocks", "shift", "radius")
 OPTIONAL = ("Dw",)
+LEVELS = ("radius",)
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:

@@ -20,6 +20,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "the bounded real lemma with the S-procedure"
 REQUIRED = ("A", "B", "C", "H", "Cz", "blocks", "gamma")
 OPTIONAL = ("D", "Dw", "Dd", "Ew")
+LEVELS = ("gamma",)
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:

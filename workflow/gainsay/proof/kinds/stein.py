@@ -17,6 +17,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "Stein's inequality for a disk"
 REQUIRED = ("matrix", "shift", "radius")
 OPTIONAL = ()
+LEVELS = ("radius",)
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:

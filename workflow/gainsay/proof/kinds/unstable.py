@@ -20,6 +20,8 @@ from gainsay.proof.scope import Scope
 THEOREM = "the inertia theorem of Ostrowski and Schneider"
 REQUIRED = ("matrix",)
 OPTIONAL = ("alpha", "shift", "radius")
+LEVELS = ("alpha", "radius")
+FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:
