@@ -354,7 +354,7 @@ def test_designs_are_read_from_the_results(tmp_path):
     (folder / "repaired.json").write_text(
         json.dumps({"name": "repaired", "note": "", "matrices": {"K": [[0.1, -2.5]]}})
     )
-    case = SimpleNamespace(root=tmp_path, name="spring", quantities={"gain": None}, claims={})
+    case = SimpleNamespace(designs={}, root=tmp_path, name="spring", quantities={"gain": None}, claims={})
     certificate = build.certificate(
         "enclosed",
         id="gain",

@@ -1,4 +1,4 @@
-"""The command `gainsay`: lint, check, record, docs, proof, logs, view, replay, gallery."""
+"""The command `gainsay`: lint, check, record, search, docs, proof, logs, view, replay, gallery."""
 
 import argparse
 import sys
@@ -47,6 +47,15 @@ def record(options: argparse.Namespace) -> int:
     for paper in _papers(options.root, options.papers):
         for line in record_paper(read_case(options.root, paper)):
             print(f"{paper}  {line}")
+    return CLEAN
+
+
+def search(options: argparse.Namespace) -> int:
+    """Find designs of a paper and write them into its folder; a run only reads them."""
+    from gainsay.steps.search import search as find
+
+    sys.path.insert(0, str(options.root))
+    find(read_case(options.root, options.paper), options.design)
     return CLEAN
 
 
@@ -104,6 +113,9 @@ def _parser() -> argparse.ArgumentParser:
 
     for name, work in (("lint", lint), ("check", check), ("record", record)):
         add(name, work).add_argument("papers", nargs="*", help="folder names below papers/; default: all")
+    searched = add("search", search)
+    searched.add_argument("paper", help="folder name below papers/")
+    searched.add_argument("design", nargs="?", help="a name of [designs] in paper.toml; default: all")
     add("docs", docs).add_argument("--check", action="store_true", help="only say whether they are stale")
     add("prove", prove).add_argument("certificates", nargs="+", type=Path, help="results/<paper>/certificates/*.json")
     _add_log_commands(add)

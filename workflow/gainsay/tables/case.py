@@ -12,6 +12,7 @@ import numpy as np
 
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
+from gainsay.tables.designs import Design, read_designs
 from gainsay.tables.files import shown
 from gainsay.tables.lint import lint
 from gainsay.tables.models import Claim, Erratum, NotChecked, PaperFile, Parameter, Quantity, Recorded
@@ -37,6 +38,8 @@ class Case:
     claims, errata : mapping of id to row
     not_checked : tuple of NotChecked
     recorded : mapping of quantity to Recorded
+    designs : mapping of name to Design
+        Gains that a search found.
     """
 
     name: str
@@ -48,6 +51,7 @@ class Case:
     errata: Mapping[str, Erratum]
     not_checked: tuple[NotChecked, ...]
     recorded: Mapping[str, Recorded]
+    designs: Mapping[str, Design]
     _matrices: Mapping[str, PrintedMatrix] = field(repr=False)
 
     @property
@@ -207,16 +211,18 @@ def read_case(root: Path, paper: str) -> Case:
     def table(file: str, model: type, key: str) -> Mapping[str, object]:
         return _by(read_rows(folder / file, model, root), key, f"papers/{paper}/{file}")
 
+    paper_file = read_paper_file(folder / "paper.toml", root)
     case = Case(
         name=paper,
         root=root,
-        paper=read_paper_file(folder / "paper.toml", root),
+        paper=paper_file,
         parameters=parameters,
         quantities=table("quantities.csv", Quantity, "id"),
         claims=table("claims.csv", Claim, "id"),
         errata=table("errata.csv", Erratum, "id"),
         not_checked=tuple(read_rows(folder / "not_checked.csv", NotChecked, root).values()),
         recorded=table("recorded.csv", Recorded, "quantity"),
+        designs=MappingProxyType(read_designs(folder, paper_file.designs, root)),
         _matrices=MappingProxyType(matrices),
     )
     lint(case)

@@ -18,8 +18,8 @@ from gainsay.tables.models import PaperFile, Row
 AnyRow = TypeVar("AnyRow", bound=Row)
 
 
-def _expectation(model: type[BaseModel], detail: dict) -> tuple[str, object, str]:
-    """Turn one pydantic error into field, value found, and what was expected."""
+def expectation(model: type[BaseModel], detail: dict) -> tuple[str, object, str]:
+    """Return field, value found and what was expected, of one error that pydantic found in a model."""
     field = ".".join(str(part) for part in detail["loc"])
     message = detail["msg"].removeprefix("Value error, ")
     if detail["type"] == "extra_forbidden":
@@ -52,7 +52,7 @@ def read_rows(path: Path, model: type[AnyRow], root: Path | None = None) -> dict
         try:
             typed[number] = model.model_validate(dict(zip(wanted, cells, strict=True)))
         except ValidationError as error:
-            field, value, expected = _expectation(model, error.errors()[0])
+            field, value, expected = expectation(model, error.errors()[0])
             raise InputError(file=file, row=number, field=field, value=value, expected=expected) from None
     return typed
 
@@ -71,7 +71,7 @@ def read_paper_file(path: Path, root: Path | None = None) -> PaperFile:
     except tomllib.TOMLDecodeError as error:
         raise InputError(str(error), file=file, expected="well-formed TOML") from None
     except ValidationError as error:
-        field, value, expected = _expectation(PaperFile, error.errors()[0])
+        field, value, expected = expectation(PaperFile, error.errors()[0])
         raise InputError(file=file, field=field, value=value, expected=expected) from None
 
 

@@ -167,7 +167,7 @@ class Results:
 
     def read_design(self, name: str) -> dict[str, np.ndarray]:
         """Read a design of this paper."""
-        return read_design(self.case.root, self.case.name, name)
+        return Designs(self.case)[name]
 
     def gains(
         self,
@@ -294,6 +294,8 @@ class Designs(Mapping[str, dict[str, np.ndarray]]):
     def __getitem__(self, name: str) -> dict[str, np.ndarray]:
         if name not in self._case.paper.designs:
             raise KeyError(name)
+        if name in self._case.designs:
+            return dict(self._case.designs[name])
         return read_design(self._case.root, self._case.name, name)
 
     def __iter__(self) -> Iterator[str]:

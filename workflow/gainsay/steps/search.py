@@ -1,0 +1,56 @@
+"""Find designs of a paper and write them into its folder; no step of a run does this."""
+
+import time
+from importlib import import_module
+
+from gainsay.errors import InputError
+from gainsay.tables import Case, read_case
+from gainsay.tables.designs import FoundDesign, Search, write_design
+
+
+def searches_of(case: Case) -> dict[str, Search]:
+    """Return the searches of a paper: design name -> function, in the order in which they build on each other.
+
+    Raises
+    ------
+    InputError
+        If the paper has none.
+    """
+    if not (case.folder / "searches.py").is_file():
+        raise InputError("file not found", file=f"papers/{case.name}/searches.py", expected="the searches of the paper")
+    return dict(import_module(f"papers.{case.name}.searches").SEARCHES)
+
+
+def _line(case: Case, name: str, found: FoundDesign, seconds: float) -> str:
+    ended = "converged" if found.converged else "DID NOT CONVERGE"
+    outcome = ", ".join(f"{key} {value:.6g}" for key, value in found.outcome.items())
+    return f"{case.name}  search      {name}: {ended}; {outcome}  {seconds:.1f} s"
+
+
+def search(case: Case, design: str | None = None) -> None:
+    """Search one design of a paper, or all, and write each into ``papers/<paper>/designs`` as it is found.
+
+    Parameters
+    ----------
+    case : Case
+    design : str, optional
+        A name of ``[designs]`` in ``paper.toml``; default: all that have a search.
+
+    Raises
+    ------
+    InputError
+        If the paper has no search of that name, or the search finds gains that are not finite.
+    """
+    searches = searches_of(case)
+    if design is not None and design not in searches:
+        raise InputError("design", value=design, expected=f"one of {', '.join(searches)}")
+    for name in searches if design is None else (design,):
+        if name not in case.paper.designs:
+            raise InputError(
+                "design", file=f"papers/{case.name}/paper.toml", value=name, expected="a name of [designs]"
+            )
+        start = time.perf_counter()
+        found = searches[name](case)
+        write_design(case.folder, name, found)
+        print(_line(case, name, found, time.perf_counter() - start), flush=True)
+        case = read_case(case.root, case.name)  # a later search may build on this design
