@@ -59,8 +59,8 @@ talk,Section 1,remark,it is the best,,,,1,,uncheckable,nothing to compare with,
 sign,(1),+,-,none,audit.length
 """,
     "papers/toy/not_checked.csv": "where,what,reason\n(4),a definition,nothing is claimed\n",
-    "papers/toy/recorded.csv": """quantity,value,unit,relative,absolute,reason
-audit.length,1.5,m,1e-6,1e-12,rounding
+    "papers/toy/recorded.csv": """quantity,value,unit,class,relative,absolute,reason
+audit.length,1.5,m,rounding,1e-6,1e-12,condition of a million
 """,
 }
 

@@ -6,7 +6,7 @@ import struct
 import zlib
 from pathlib import Path
 
-from gainsay.tables.models import TABLES
+from gainsay.tables.models import TABLES, columns
 from gainsay.tables.results import FAILURE_COLUMNS, GAIN_COLUMNS, QUANTITY_COLUMNS
 from gainsay.verdicts.table import VERDICT_COLUMNS
 
@@ -135,8 +135,8 @@ def tables(root: Path, paper: str, *, full: bool) -> None:
         "recorded.csv": [],
     }
     for name, model in TABLES.items():
-        wanted = rows[name] if full or name == "parameters.csv" else []
-        write(folder / name, tuple(model.model_fields), wanted)
+        wanted = rows.get(name, []) if full or name == "parameters.csv" else []
+        write(folder / name, columns(model), wanted)
 
 
 def results(root: Path, paper: str) -> None:

@@ -1,13 +1,15 @@
 import pytest
 
-from gainsay.errors import InputError
+from gainsay.errors import ComputationError, InputError
 from gainsay.steps.check import write_differences
 from gainsay.steps.verdicts import verdicts
-from gainsay.tables.files import write_atomically, write_csv
+from gainsay.tables.files import read_records, write_atomically, write_csv, write_json
+from gainsay.tables.models import Recorded
 from gainsay.tables.results import Results
-from gainsay.verdicts.differences import differences, rows_of
+from gainsay.verdicts.differences import differences, scan_differences
 from gainsay.verdicts.evidence import read_evidence
 from gainsay.verdicts.record import record_paper
+from gainsay.verdicts.tolerance import decimal_above, share
 
 COMPUTED = {"audit.length": 1.5, "audit.other": 1.0, "audit.holds": 1.0}
 
@@ -142,22 +144,97 @@ def test_results_that_are_not_there_are_bad_input(project):
 def test_recording_keeps_tolerances_shows_changes_and_is_stable(project):
     case = run(project)
     lines = list(record_paper(case))
-    assert "audit.other: new, 1.0 m" in lines
-    assert lines[-1] == "4 quantities on record, 3 changed"
-    recorded = {row["quantity"]: row for row in rows_of(case.folder / "recorded.csv", case.root)}
-    assert recorded["audit.length"]["reason"] == "rounding"
-    project.edit("recorded.csv", "audit.length,1.5,m,1e-6", "audit.length,1.25,m,1e-3")
+    assert "audit.other: new, 1.0 m, rounding" in lines
+    assert lines[-1] == "4 quantities on record, 3 changes"
+    recorded = {row["quantity"]: row for row in read_records(case.folder / "recorded.csv", case.root)}
+    assert recorded["audit.length"]["reason"] == "condition of a million"
+    assert recorded["run.peak"]["class"] == "enclosed"  # it stands with an enclosure of width 2e-6
+    assert float(recorded["run.peak"]["absolute"]) == pytest.approx(2e-6, rel=0.1)
+    project.edit("recorded.csv", "audit.length,1.5,m,rounding,1e-6", "audit.length,1.25,m,rounding,1e-3")
     lines = list(record_paper(project.case()))
     assert lines[0] == "audit.length: 1.25 -> 1.5 m"
-    recorded = {row["quantity"]: row for row in rows_of(case.folder / "recorded.csv", case.root)}
+    recorded = {row["quantity"]: row for row in read_records(case.folder / "recorded.csv", case.root)}
     assert (recorded["audit.length"]["relative"], recorded["audit.length"]["value"]) == ("1e-3", "1.5")
     before = project.file("recorded.csv").read_bytes()
-    assert list(record_paper(project.case())) == ["4 quantities on record, 0 changed"]
+    assert list(record_paper(project.case())) == ["4 quantities on record, 0 changes"]
     assert project.file("recorded.csv").read_bytes() == before
 
 
-def test_a_quantity_that_is_no_longer_computed_leaves_the_record_with_a_line(clean):
+def test_nothing_leaves_the_record_while_something_was_not_computed(clean):
     case = clean.case()
+    before = clean.file("recorded.csv").read_bytes()
     Results(case, "simulation").close()
     verdicts(case)
-    assert "run.peak: 39.0 -> not computed, taken off the record" in list(record_paper(case))
+    with pytest.raises(ComputationError, match=r"run\.peak was not computed: nothing was put on record"):
+        list(record_paper(case))
+    run(clean)
+    results = Results(case, "figures")
+    with results.task("figure_1", "draw"):
+        raise ValueError("no picture")
+    results.close()
+    verdicts(case)
+    with pytest.raises(ComputationError, match="1 computations failed"):
+        list(record_paper(case))
+    assert clean.file("recorded.csv").read_bytes() == before
+
+
+def test_a_paper_without_a_record_has_everything_not_on_record(clean):
+    run(clean)
+    clean.file("recorded.csv").unlink()
+    assert items(clean) == {("quantity", name) for name in clean.case().quantities}
+
+
+def test_an_enclosure_on_record_that_is_not_there_any_more_is_a_difference(clean):
+    clean.edit("recorded.csv", "audit.length,1.5,m,rounding,1e-6,1e-12", "audit.length,1.5,m,enclosed,1e-6,1e-12")
+    run(clean)
+    assert items(clean) == {("quantity", "audit.length")}
+
+
+def test_rounding_noise_is_on_record_as_below_a_floor(clean):
+    clean.edit("recorded.csv", "audit.length,1.5,m,rounding,1e-6,1e-12", "audit.length,0,m,floor,0,2")
+    run(clean)
+    assert items(clean) == set()
+    list(record_paper(clean.case()))
+    assert "audit.length,0,m,floor,0,2" in clean.file("recorded.csv").read_text()
+
+
+SCAN = {"claim": "length", "quantity": "audit.length", "outcome": "holds", "samples": 264, "holding": 264,
+        "smallest": 1.5, "largest": 1.75, "boundary": None}  # fmt: skip
+
+
+def put_scan(case, **changes):
+    write_json(case.results / "scans" / "length.json", {**SCAN, **changes})
+    write_csv(case.results / "parts" / "audit.files.csv", ("file",), [("scans/length.json",)])
+
+
+@pytest.mark.parametrize("change", [
+    {"outcome": "depends"},
+    {"holding": 263},
+    {"largest": 1.75 * (1 + 1e-8)},
+    {"boundary": {"input": "guess", "holds": 0.25, "fails": 0.5}},
+])  # fmt: skip
+def test_what_a_scan_found_is_on_record(clean, change):
+    case = run(clean)
+    put_scan(case)
+    list(record_paper(case))
+    assert scan_differences(clean.case()) == []
+    put_scan(case, largest=1.75 * (1 + 1e-12))
+    assert scan_differences(clean.case()) == []  # rounding
+    put_scan(case, **change)
+    assert len(scan_differences(clean.case())) >= 1
+
+
+@pytest.mark.parametrize(("value", "above"), [(0.00123, "0.0013"), (2e-6, "0.000002"), (123456.0, "1.3e5")])
+def test_a_width_is_rounded_up_so_that_it_covers_the_enclosure(value, above):
+    assert decimal_above(value) == above  # by hand
+    assert float(decimal_above(value)) >= value
+
+
+def test_the_share_of_a_tolerance():
+    row = Recorded(
+        quantity="a", value="2.0", unit="1", relative="1e-3", absolute="1e-3", reason="r", **{"class": "rounding"}
+    )
+    assert share(row, 2.0 + 1.5e-3) == pytest.approx(0.5)  # 1e-3 + 2 * 1e-3 is allowed
+    assert share(row, float("nan")) == float("inf")
+    exact = row.model_copy(update={"class_": "exact", "relative": "0", "absolute": "0"})
+    assert (share(exact, 2.0), share(exact, 2.0 + 1e-15)) == (0.0, float("inf"))

@@ -112,6 +112,12 @@ BAD = [
     ("recorded.csv", "1.5,m", "1.5,s", 2, "unit", "m"),
     ("recorded.csv", "1.5,m", "inf,m", 2, "value", "a finite number"),
     ("recorded.csv", "1e-6", "one", 2, "relative", "a decimal number"),
+    ("recorded.csv", "1e-6", "-1e-6", 2, "relative", "at least 0"),
+    ("recorded.csv", "rounding", "exact", 2, "class", "both tolerances 0"),
+    ("recorded.csv", "rounding,1e-6,1e-12", "enclosed,1e-6,0", 2, "absolute", "the class is enclosed"),
+    ("recorded.csv", "rounding,1e-6,1e-12", "rounding,0,0", 2, "relative", "the class exact"),
+    ("recorded.csv", "rounding,1e-6,1e-12", "floor,0,1e-12", 2, "value", "the class is floor"),
+    ("recorded.csv", "rounding", "guessed", 2, "class", "'exact', 'rounding'"),
     ("paper.toml", "year = 2000", "year = 200", None, "year", "1900"),
     ("paper.toml", 'doi = "10.1000/toy"', 'doi = "toy"', None, "doi", "match"),
     ("paper.toml", 'title = "A toy"', 'name = "A toy"', None, "title", "missing"),
@@ -133,7 +139,7 @@ def test_every_fault_is_named(project, file, old, new, row, field, expected):
 
 
 @pytest.mark.parametrize(
-    "name", ["parameters.csv", "quantities.csv", "claims.csv", "errata.csv", "not_checked.csv", "recorded.csv",
+    "name", ["parameters.csv", "quantities.csv", "claims.csv", "errata.csv", "not_checked.csv",
              "paper.toml", "printed/K.csv"]
 )  # fmt: skip
 def test_a_missing_empty_or_undecodable_table_is_named(project, name):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from gainsay import __version__
-from gainsay.errors import GainsayError, InputError
+from gainsay.errors import ComputationError, GainsayError, InputError
 from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, refuse
 from gainsay.tables import find_root, paper_names, read_case
 
@@ -44,10 +44,15 @@ def record(options: argparse.Namespace) -> int:
     """Put today's values on record and show what changed."""
     from gainsay.verdicts.record import record_paper
 
+    refused = False
     for paper in _papers(options.root, options.papers):
-        for line in record_paper(read_case(options.root, paper)):
+        try:
+            lines = list(record_paper(read_case(options.root, paper)))
+        except ComputationError as error:
+            lines, refused = [str(error)], True
+        for line in lines:
             print(f"{paper}  {line}")
-    return CLEAN
+    return DIFFERENCES if refused else CLEAN
 
 
 def search(options: argparse.Namespace) -> int:

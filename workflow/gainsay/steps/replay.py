@@ -8,8 +8,7 @@ from pathlib import Path
 from gainsay.errors import LogError
 from gainsay.logs import Log, RunSpec, read_log
 from gainsay.tables import Case, paper_names, read_case
-from gainsay.tables.files import cell
-from gainsay.verdicts.differences import rows_of
+from gainsay.tables.files import cell, read_records
 
 
 def spec_of(case: Case, log: Log, path: Path) -> RunSpec:
@@ -29,7 +28,7 @@ def spec_of(case: Case, log: Log, path: Path) -> RunSpec:
 
 def quantity_differences(case: Case, run: RunSpec, log: Log) -> Iterator[str]:
     """Measure a run from its log and yield a line for every quantity that is not on file to the last bit."""
-    on_file = {row["quantity"]: row for row in rows_of(case.results / "quantities.csv", case.root)}
+    on_file = {row["quantity"]: row for row in read_records(case.results / "quantities.csv", case.root)}
     for quantity, found in run.measure(case, log).items():
         row = on_file.get(quantity)
         for column, value in (("value", found.value), ("lower", found.lower), ("upper", found.upper)):

@@ -7,6 +7,7 @@ from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,17 @@ from gainsay.exact.digits import PrintedNumber
 from gainsay.tables.designs import Design, read_designs
 from gainsay.tables.files import shown
 from gainsay.tables.lint import lint
-from gainsay.tables.models import Claim, Erratum, NotChecked, PaperFile, Parameter, Quantity, Recorded
+from gainsay.tables.models import (
+    Claim,
+    Erratum,
+    NotChecked,
+    PaperFile,
+    Parameter,
+    Quantity,
+    Recorded,
+    RecordedCertificate,
+    RecordedScan,
+)
 from gainsay.tables.reading import PrintedMatrix, read_matrix, read_paper_file, read_rows
 from gainsay.tables.units import to_si
 
@@ -38,6 +49,8 @@ class Case:
     claims, errata : mapping of id to row
     not_checked : tuple of NotChecked
     recorded : mapping of quantity to Recorded
+    recorded_scans : mapping of (claim, item) to RecordedScan
+    recorded_certificates : mapping of certificate to RecordedCertificate
     designs : mapping of name to Design
         Gains that a search found.
     """
@@ -51,6 +64,8 @@ class Case:
     errata: Mapping[str, Erratum]
     not_checked: tuple[NotChecked, ...]
     recorded: Mapping[str, Recorded]
+    recorded_scans: Mapping[tuple[str, str], RecordedScan]
+    recorded_certificates: Mapping[str, RecordedCertificate]
     designs: Mapping[str, Design]
     _matrices: Mapping[str, PrintedMatrix] = field(repr=False)
 
@@ -127,12 +142,12 @@ def paper_names(root: Path) -> list[str]:
     return sorted(path.parent.name for path in (root / "papers").glob("*/paper.toml"))
 
 
-def _by(rows: dict[int, object], key: str, file: str) -> Mapping[str, object]:
-    found: dict[str, object] = {}
+def _by(rows: dict[int, object], key: str | tuple[str, ...], file: str) -> Mapping[Any, object]:
+    found: dict[Any, object] = {}
     for number, row in rows.items():
-        name = getattr(row, key)
+        name = getattr(row, key) if isinstance(key, str) else tuple(getattr(row, part) for part in key)
         if name in found:
-            raise InputError(file=file, row=number, field=key, value=name, expected="a name not used above")
+            raise InputError(file=file, row=number, field=str(key), value=name, expected="a name not used above")
         found[name] = row
     return MappingProxyType(found)
 
@@ -208,8 +223,8 @@ def read_case(root: Path, paper: str) -> Case:
     folder = root / "papers" / paper
     parameters, matrices = _read_parameters(root, folder)
 
-    def table(file: str, model: type, key: str) -> Mapping[str, object]:
-        return _by(read_rows(folder / file, model, root), key, f"papers/{paper}/{file}")
+    def table(file: str, model: type, key: str | tuple[str, ...], needed: bool = True) -> Mapping[Any, object]:
+        return _by(read_rows(folder / file, model, root, needed=needed), key, f"papers/{paper}/{file}")
 
     paper_file = read_paper_file(folder / "paper.toml", root)
     case = Case(
@@ -221,7 +236,9 @@ def read_case(root: Path, paper: str) -> Case:
         claims=table("claims.csv", Claim, "id"),
         errata=table("errata.csv", Erratum, "id"),
         not_checked=tuple(read_rows(folder / "not_checked.csv", NotChecked, root).values()),
-        recorded=table("recorded.csv", Recorded, "quantity"),
+        recorded=table("recorded.csv", Recorded, "quantity", needed=False),
+        recorded_scans=table("recorded_scans.csv", RecordedScan, ("claim", "item"), needed=False),
+        recorded_certificates=table("recorded_certificates.csv", RecordedCertificate, "certificate", needed=False),
         designs=MappingProxyType(read_designs(folder, paper_file.designs, root)),
         _matrices=MappingProxyType(matrices),
     )

@@ -107,3 +107,15 @@ def read_csv(path: Path, root: Path | None = None) -> tuple[list[str], list[tupl
         if len(cells) != len(header):
             raise InputError(f"{len(cells)} cells", file=file, row=number, expected=f"{len(header)} cells")
     return header, rows
+
+
+def read_records(path: Path, root: Path | None = None) -> list[dict[str, str]]:
+    """Read a CSV file as dictionaries: column -> cell.
+
+    Raises
+    ------
+    InputError
+        As `read_csv`.
+    """
+    header, rows = read_csv(path, root)
+    return [dict(zip(header, cells, strict=True)) for _, cells in rows]

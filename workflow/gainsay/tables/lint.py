@@ -1,12 +1,12 @@
 """Checks between the tables of a paper: what one row names must stand in another."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
-from gainsay.tables.models import Claim
+from gainsay.tables.models import Claim, Toleranced
 from gainsay.tables.units import to_si
 
 if TYPE_CHECKING:
@@ -124,17 +124,42 @@ def lint(case: "Case") -> None:
                 expected=expected,
             )
     for row, recorded in enumerate(case.recorded.values(), start=_ROW_OF_FIRST):
-        file = f"papers/{case.name}/recorded.csv"
         quantity = case.quantities.get(recorded.quantity)
+        faults = _recorded_faults(recorded)
         if quantity is None:
-            raise InputError(
-                file=file, row=row, field="quantity", value=recorded.quantity, expected="one of quantities.csv"
-            )
-        if quantity.unit != recorded.unit:
-            raise InputError(file=file, row=row, field="unit", value=recorded.unit, expected=quantity.unit)
-        try:
-            finite = math.isfinite(float(recorded.value))
-        except ValueError:
-            finite = False
-        if not finite:
-            raise InputError(file=file, row=row, field="value", value=recorded.value, expected="a finite number")
+            faults = [("quantity", recorded.quantity, "one of quantities.csv")]
+        elif quantity.unit != recorded.unit:
+            faults = [("unit", recorded.unit, quantity.unit)]
+        _refuse_first(faults, f"papers/{case.name}/recorded.csv", row)
+    for row, found in enumerate(case.recorded_scans.values(), start=_ROW_OF_FIRST):
+        faults = [] if found.item in ("outcome", "turns_on") else _recorded_faults(found)
+        if found.claim not in case.claims:
+            faults = [("claim", found.claim, "one of claims.csv")]
+        _refuse_first(faults, f"papers/{case.name}/recorded_scans.csv", row)
+
+
+def _refuse_first(faults: Iterable[tuple[str, str, str]], file: str, row: int) -> None:
+    for field, value, expected in faults:
+        raise InputError(file=file, row=row, field=field, value=value, expected=expected)
+
+
+def _recorded_faults(recorded: Toleranced) -> Iterator[tuple[str, str, str]]:
+    """Yield field, value and expectation of every fault of a value on record."""
+    try:
+        finite = math.isfinite(float(recorded.value))
+    except ValueError:
+        finite = False
+    if not finite:
+        yield "value", recorded.value, "a finite number"
+        return
+    relative, absolute = PrintedNumber(recorded.relative).value, PrintedNumber(recorded.absolute).value
+    if relative < 0 or absolute < 0:
+        yield "relative", f"{recorded.relative}, {recorded.absolute}", "tolerances of at least 0"
+    if recorded.class_ == "exact" and (relative or absolute):
+        yield "class", "exact", "both tolerances 0, or another class"
+    if recorded.class_ in ("sampled", "floor", "enclosed") and not absolute:
+        yield "absolute", recorded.absolute, f"more than 0, since the class is {recorded.class_}"
+    if recorded.class_ == "rounding" and not (relative or absolute):
+        yield "relative", recorded.relative, "a tolerance, or the class exact"
+    if recorded.class_ == "floor" and (float(recorded.value) != 0 or relative):
+        yield "value", recorded.value, "0 with an absolute tolerance alone, since the class is floor"

@@ -15,6 +15,8 @@ Kind = Literal[
 ]  # fmt: skip
 Comparator = Literal["equal", "at_most", "at_least", "inside", "feasible", "infeasible", "less_than", "all_of", ""]
 Step = Literal["synthesis", "audit", "simulation"]
+Tolerance = Literal["exact", "rounding", "enclosed", "sampled", "floor"]
+ScanItem = Literal["outcome", "samples", "holding", "smallest", "largest", "turns_on", "holds_at", "fails_at"]
 VERDICTS: tuple[str, ...] = get_args(Verdict)
 
 
@@ -120,15 +122,42 @@ class NotChecked(Row):
     reason: Filled = Field(description="why it is not checked")
 
 
-class Recorded(Row):
-    """A value on record, written by `make record` alone."""
+class Toleranced(Row):
+    """A value on record with what another machine may differ by."""
+
+    value: Filled = Field(description="the value on record, full double precision")
+    unit: Unit = Field(description="its SI unit")
+    class_: Tolerance = Field(
+        alias="class",
+        description="where the tolerance comes from: `exact` (none), `rounding` (an error bound of the arithmetic), "
+        "`enclosed` (the width of the enclosure on file), `sampled` (a standard error), "
+        "`floor` (the value is rounding noise below it)",
+    )
+    relative: Decimal = Field(description="relative tolerance")
+    absolute: Decimal = Field(description="absolute tolerance, in the unit; the two add up")
+    reason: Filled = Field(description="the bound that the tolerance comes from, known before anything was compared")
+
+
+class Recorded(Toleranced):
+    """A quantity on record, written by `make record` alone."""
 
     quantity: QuantityId = Field(description="the quantity")
-    value: Filled = Field(description="its value on record, full double precision")
-    unit: Unit = Field(description="its SI unit")
-    relative: Decimal = Field(description="relative tolerance across machines")
-    absolute: Decimal = Field(description="absolute tolerance across machines")
-    reason: Filled = Field(description="why these tolerances")
+
+
+class RecordedScan(Toleranced):
+    """A number that a scan found, on record; written by `make record` alone."""
+
+    claim: Slug = Field(description="the claim scanned")
+    item: ScanItem = Field(description="what the scan found")
+
+
+class RecordedCertificate(Row):
+    """What a certificate states, on record; written by `make record` alone."""
+
+    certificate: Slug = Field(description="the certificate")
+    formulas: Annotated[str, StringConstraints(pattern=r"^sha256:[0-9a-f]{64}$")] = Field(
+        description="SHA-256 of all that it states: kind, formulas, table entries and conclusions, not the witness"
+    )
 
 
 class PaperFile(BaseModel):
@@ -148,6 +177,13 @@ class PaperFile(BaseModel):
     figures: dict[Slug, Filled] = Field(description="figures: name and caption")
 
 
+def columns(model: type[Row]) -> tuple[str, ...]:
+    """Return the columns of a table, what a row is named by first."""
+    own = [name for name in model.model_fields if name in model.__annotations__]
+    inherited = [name for name in model.model_fields if name not in own]
+    return tuple(model.model_fields[name].alias or name for name in (*own, *inherited))
+
+
 #: file name -> model of its rows
 TABLES: dict[str, type[Row]] = {
     "parameters.csv": Parameter,
@@ -156,4 +192,6 @@ TABLES: dict[str, type[Row]] = {
     "errata.csv": Erratum,
     "not_checked.csv": NotChecked,
     "recorded.csv": Recorded,
+    "recorded_scans.csv": RecordedScan,
+    "recorded_certificates.csv": RecordedCertificate,
 }

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
 from gainsay.tables.files import read_csv, read_text, shown
-from gainsay.tables.models import PaperFile, Row
+from gainsay.tables.models import PaperFile, Row, columns
 
 AnyRow = TypeVar("AnyRow", bound=Row)
 
@@ -29,8 +29,8 @@ def expectation(model: type[BaseModel], detail: dict) -> tuple[str, object, str]
     return field, detail["input"], message.removeprefix("Input should be ").replace("String should", "text that should")
 
 
-def read_rows(path: Path, model: type[AnyRow], root: Path | None = None) -> dict[int, AnyRow]:
-    """Read a table whose columns are the fields of a model.
+def read_rows(path: Path, model: type[AnyRow], root: Path | None = None, *, needed: bool = True) -> dict[int, AnyRow]:
+    """Read a table whose columns are the fields of a model; one that is not needed may be missing, which is no row.
 
     Returns
     -------
@@ -43,8 +43,10 @@ def read_rows(path: Path, model: type[AnyRow], root: Path | None = None) -> dict
         At the first fault, naming file, row, field, value and what was expected.
     """
     file = shown(path, root)
+    if not needed and not path.exists():
+        return {}
     header, rows = read_csv(path, root)
-    wanted = list(model.model_fields)
+    wanted = list(columns(model))
     if header != wanted:
         raise InputError("header", file=file, row=1, value=",".join(header), expected=",".join(wanted))
     typed = {}

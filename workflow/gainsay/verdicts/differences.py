@@ -1,42 +1,82 @@
 """What differs between the results and what is on record."""
 
-import math
 from collections.abc import Iterator
-from pathlib import Path
 
 from gainsay.tables import Case
-from gainsay.tables.files import read_csv
+from gainsay.tables.files import read_records
+from gainsay.tables.models import Toleranced
+from gainsay.verdicts.record import certificates_of, scan_items, scans_of
+from gainsay.verdicts.tolerance import allowed, share
 
 DIFFERENCE_COLUMNS = ("paper", "what", "item", "expected", "found", "note")
 Difference = tuple[str, str, str, str, str, str]
 
 
-def rows_of(path: Path, root: Path) -> list[dict[str, str]]:
-    """Read a results table as dictionaries."""
-    header, rows = read_csv(path, root)
-    return [dict(zip(header, cells, strict=True)) for _, cells in rows]
+def _allowed(recorded: Toleranced) -> str:
+    return "exact" if recorded.class_ == "exact" else f"{recorded.class_}: allowed difference {allowed(recorded)!r}"
+
+
+def _agrees(recorded: Toleranced, text: str) -> bool:
+    """Say whether what was found is what is on record: to the letter, or within the tolerance of a number."""
+    if text == recorded.value:
+        return True
+    try:
+        return recorded.class_ != "exact" and share(recorded, float(text)) <= 1
+    except ValueError:
+        return False
 
 
 def _quantity_differences(case: Case) -> Iterator[Difference]:
-    found = {row["quantity"]: row for row in rows_of(case.results / "quantities.csv", case.root)}
+    found = {row["quantity"]: row for row in read_records(case.results / "quantities.csv", case.root)}
     for quantity in case.quantities:
         if quantity not in found:
             yield case.name, "quantity", quantity, "computed", "", "declared in quantities.csv"
             continue
-        recorded = case.recorded.get(quantity)
-        value = float(found[quantity]["value"])
+        recorded, row = case.recorded.get(quantity), found[quantity]
         if recorded is None:
-            yield case.name, "quantity", quantity, "", repr(value), "not on record"
+            yield case.name, "quantity", quantity, "", row["value"], "not on record"
             continue
-        allowed = float(recorded.absolute) + float(recorded.relative) * abs(float(recorded.value))
-        difference = abs(value - float(recorded.value))
-        if not (difference <= allowed) or math.isnan(value):
-            yield case.name, "quantity", quantity, recorded.value, repr(value), f"allowed difference {allowed!r}"
+        if not _agrees(recorded, row["value"]):
+            yield case.name, "quantity", quantity, recorded.value, row["value"], _allowed(recorded)
+        if recorded.class_ == "enclosed" and not (row["lower"] and row["upper"]):
+            yield case.name, "quantity", quantity, "an enclosure", "none", "on record by its enclosure"
+
+
+def scan_differences(case: Case) -> list[Difference]:
+    """Hold what the scans of a paper found against the record."""
+    return list(_scan_differences(case))
+
+
+def _scan_differences(case: Case) -> Iterator[Difference]:
+    found = {
+        (claim, item): text for claim, scan in scans_of(case).items() for item, (text, _) in scan_items(scan).items()
+    }
+    for key in {**found, **case.recorded_scans}:
+        recorded, text = case.recorded_scans.get(key), found.get(key, "")
+        what = " ".join(key)
+        if recorded is None or not text:
+            on_record = "" if recorded is None else recorded.value
+            yield case.name, "scan", what, on_record, text, "not on record" if recorded is None else "not found"
+        elif not _agrees(recorded, text):
+            yield case.name, "scan", what, recorded.value, text, _allowed(recorded)
+
+
+def _statement_differences(case: Case) -> Iterator[Difference]:
+    """Hold what each certificate states against the record: one that states something else proves something else."""
+    found = certificates_of(case)
+    for name in {**found, **case.recorded_certificates}:
+        recorded = case.recorded_certificates.get(name)
+        if name not in found:
+            yield case.name, "certificate", name, "present", "missing", "on record"
+        elif recorded is None:
+            yield case.name, "certificate", name, "", found[name], "not on record"
+        elif recorded.formulas != found[name]:
+            yield case.name, "certificate", name, recorded.formulas, found[name], "its formulas are not those on record"
 
 
 def _witness_differences(case: Case) -> Iterator[Difference]:
-    quantities = {row["quantity"] for row in rows_of(case.results / "quantities.csv", case.root)}
-    certificates = {row["certificate"]: row for row in rows_of(case.results / "certificates.csv", case.root)}
+    quantities = {row["quantity"] for row in read_records(case.results / "quantities.csv", case.root)}
+    certificates = {row["certificate"]: row for row in read_records(case.results / "certificates.csv", case.root)}
     for name, row in certificates.items():
         if row["accepted"] != "1":
             yield case.name, "certificate", name, "accepted", "refused", row["says"]
@@ -50,9 +90,9 @@ def _witness_differences(case: Case) -> Iterator[Difference]:
 def differences(case: Case) -> list[Difference]:
     """Return every difference of a paper: verdicts, quantities, failures, certificates, witnesses, missing files."""
     found: list[Difference] = []
-    for row in rows_of(case.results / "failures.csv", case.root):
+    for row in read_records(case.results / "failures.csv", case.root):
         found.append((case.name, "failure", f"{row['step']} {row['where']}", "", row["message"], row["task"]))
-    verdicts = {row["claim"]: row for row in rows_of(case.results / "verdicts.csv", case.root)}
+    verdicts = {row["claim"]: row for row in read_records(case.results / "verdicts.csv", case.root)}
     for claim in case.claims.values():
         row = verdicts.get(claim.id, {"verdict": "missing", "note": "run the verdicts again", "witness": ""})
         if row["verdict"] != claim.expected or row["verdict"] == "failed":
@@ -61,6 +101,8 @@ def differences(case: Case) -> list[Difference]:
             )
     found += _quantity_differences(case)
     found += _witness_differences(case)
+    found += scan_differences(case)
+    found += _statement_differences(case)
     wanted = [f"logs/{run}.{ending}" for run in case.paper.runs for ending in ("mcap", "rrd")]
     wanted += [f"figures/{figure}.{ending}" for figure in case.paper.figures for ending in ("svg", "png")]
     wanted += [f"designs/{design}.json" for design in case.paper.designs]

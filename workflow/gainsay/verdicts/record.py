@@ -1,39 +1,136 @@
 """The values on record: `make record` writes them and nothing else does."""
 
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from typing import Any
 
+from gainsay.errors import ComputationError, GainsayError
+from gainsay.proof import formulas_digest, read_certificate
 from gainsay.tables import Case
-from gainsay.tables.files import write_csv
-from gainsay.tables.models import Recorded
-from gainsay.verdicts.differences import rows_of
+from gainsay.tables.files import cell, read_records, read_text, write_csv
+from gainsay.tables.models import Recorded, RecordedCertificate, RecordedScan, Toleranced, columns
+from gainsay.tables.results import read_part
+from gainsay.verdicts.tolerance import ROUNDING, decimal_above, proposed
 
-#: by step, what two machines may differ by: relative, absolute, reason; rows on record keep their own
-DEFAULTS = {
-    "audit": ("1e-7", "1e-10", "double precision across machines"),
-    "synthesis": ("1e-4", "1e-9", "accuracy of a solver's optimum across machines"),
-    "simulation": ("1e-6", "1e-9", "error-controlled integration across machines"),
-}
+
+def scan_items(scan: Mapping[str, Any]) -> dict[str, tuple[str, bool]]:
+    """Return what a scan found: item -> text of the value, and whether it is a number computed in doubles."""
+    boundary = scan["boundary"] or {}
+    found = {
+        "outcome": (scan["outcome"], False),
+        "samples": (cell(scan["samples"]), False),
+        "holding": (cell(scan["holding"]), False),
+        "smallest": (cell(scan["smallest"]), True),
+        "largest": (cell(scan["largest"]), True),
+        "turns_on": (boundary.get("input", ""), False),
+        "holds_at": (cell(boundary.get("holds")), isinstance(boundary.get("holds"), float)),
+        "fails_at": (cell(boundary.get("fails")), isinstance(boundary.get("fails"), float)),
+    }
+    return {item: (text, number) for item, (text, number) in found.items() if text}
+
+
+def scans_of(case: Case) -> dict[str, dict[str, Any]]:
+    """Return the scans that the steps of a paper list as theirs, by claim."""
+    files = sorted({row["file"] for row in read_part(case, "files") if row["file"].startswith("scans/")})
+    scans = (json.loads(read_text(case.results / file, case.root)) for file in files)
+    return {scan["claim"]: scan for scan in scans}
+
+
+def certificates_of(case: Case) -> dict[str, str]:
+    """Return the digest of what each certificate of a paper states, by its id; the verdicts say which are refused."""
+    found = {}
+    for file in sorted({row["file"] for row in read_part(case, "files") if row["file"].startswith("certificates/")}):
+        with suppress(GainsayError):
+            certificate = read_certificate(case.results / file)
+            found[certificate.id] = formulas_digest(certificate)
+    return found
+
+
+def _refuse_unfinished(case: Case, found: Mapping[str, Any]) -> None:
+    """Nothing goes on record, and nothing off it, while a computation is broken or missing."""
+    failures = read_records(case.results / "failures.csv", case.root)
+    if failures:
+        raise ComputationError(case.name, f"{len(failures)} computations failed: nothing was put on record")
+    missing = [quantity for quantity in case.quantities if quantity not in found]
+    if missing:
+        raise ComputationError(case.name, f"{missing[0]} was not computed: nothing was put on record")
+
+
+def _toleranced(before: Toleranced | None, new: tuple[str, str, str, str], width: str) -> tuple[str, str, str, str]:
+    """Keep what stands on record; only the width of an enclosure follows the enclosure."""
+    if before is None:
+        return new
+    absolute = width if before.class_ == "enclosed" and width else before.absolute
+    return before.class_, before.relative, absolute, before.reason
+
+
+def _quantity_rows(case: Case, found: Mapping[str, Mapping[str, str]]) -> Iterator[tuple[tuple[str, ...], str]]:
+    for quantity, declared in case.quantities.items():
+        before, row = case.recorded.get(quantity), found[quantity]
+        value, new = row["value"], proposed(row, declared.meaning)
+        width = ""
+        if row["lower"] and row["upper"] and row["lower"] != row["upper"]:
+            width = decimal_above(float(row["upper"]) - float(row["lower"]))
+        tolerances = _toleranced(before, new, width)
+        if before is not None and before.class_ == "floor" and abs(float(value)) <= float(before.absolute):
+            value = before.value
+        line = ""
+        if before is None:
+            line = f"{quantity}: new, {value} {declared.unit}, {tolerances[0]}"
+        elif before.value != value:
+            line = f"{quantity}: {before.value} -> {value} {declared.unit}"
+        elif before.absolute != tolerances[2]:
+            line = f"{quantity}: width of its enclosure {before.absolute} -> {tolerances[2]}"
+        yield (quantity, value, declared.unit, *tolerances), line
+
+
+def _scan_rows(case: Case) -> Iterator[tuple[tuple[str, ...], str]]:
+    exact = ("exact", "0", "0", "a count, or a word")
+    rounding = ("rounding", ROUNDING, "0", "rounding of doubles, with a condition of up to a million")
+    for claim, scan in scans_of(case).items():
+        unit = case.quantities[scan["quantity"]].unit
+        for item, (value, number) in scan_items(scan).items():
+            before = case.recorded_scans.get((claim, item))
+            tolerances = _toleranced(before, rounding if number else exact, "")
+            line = "" if before is not None and before.value == value else f"{claim} {item}: {value}"
+            yield (claim, item, value, unit if item in ("smallest", "largest") else "1", *tolerances), line
+
+
+def _certificate_rows(case: Case) -> Iterator[tuple[tuple[str, ...], str]]:
+    for certificate, formulas in certificates_of(case).items():
+        before = case.recorded_certificates.get(certificate)
+        line = ""
+        if before is None or before.formulas != formulas:
+            line = f"{certificate}: {'new' if before is None else 'states something else'}"
+        yield (certificate, formulas), line
 
 
 def record_paper(case: Case) -> Iterator[str]:
-    """Write recorded.csv of a paper from its results, keeping tolerances, and yield a line for every change."""
-    found = {row["quantity"]: row for row in rows_of(case.results / "quantities.csv", case.root)}
-    lines, rows = [], []
-    for quantity, declared in case.quantities.items():
-        before = case.recorded.get(quantity)
-        if quantity not in found:
-            if before is not None:
-                lines.append(f"{quantity}: {before.value} -> not computed, taken off the record")
-            continue
-        value = found[quantity]["value"]
-        if before is None:
-            tolerances = DEFAULTS[declared.step]
-            lines.append(f"{quantity}: new, {value} {declared.unit}")
-        else:
-            tolerances = (before.relative, before.absolute, before.reason)
-            if before.value != value:
-                lines.append(f"{quantity}: {before.value} -> {value} {declared.unit}")
-        rows.append((quantity, value, declared.unit, *tolerances))
-    write_csv(case.folder / "recorded.csv", tuple(Recorded.model_fields), rows)
-    yield from lines
-    yield f"{len(rows)} quantities on record, {len(lines)} changed"
+    """Write what is on record of a paper from its results, keeping tolerances, and yield a line for every change.
+
+    Raises
+    ------
+    ComputationError
+        While a computation of the paper is broken or missing: nothing is written then.
+    """
+    found = {row["quantity"]: row for row in read_records(case.results / "quantities.csv", case.root)}
+    _refuse_unfinished(case, found)
+    tables = {
+        "recorded": (columns(Recorded), list(_quantity_rows(case, found)), case.recorded),
+        "recorded_scans": (columns(RecordedScan), list(_scan_rows(case)), case.recorded_scans),
+        "recorded_certificates": (
+            columns(RecordedCertificate), list(_certificate_rows(case)), case.recorded_certificates
+        ),
+    }  # fmt: skip
+    changed = 0
+    for name, (header, rows, before) in tables.items():
+        write_csv(case.folder / f"{name}.csv", header, [row for row, _ in rows])
+        lines = [line for _, line in rows if line]
+        kept = {row[:2] if name == "recorded_scans" else row[0] for row, _ in rows}
+        lines += [
+            f"{key if isinstance(key, str) else ' '.join(key)}: off the record" for key in before if key not in kept
+        ]
+        changed += len(lines)
+        yield from lines
+    yield f"{len(tables['recorded'][1])} quantities on record, {changed} changes"
