@@ -46,5 +46,5 @@ def tables(paper):
 
 def parts(paper, step):
     """Records that a step leaves whatever happens inside it."""
-    kinds = ("quantities", "gains", "failures", "files")
+    kinds = ("quantities", "gains", "poles", "failures", "files")
     return [f"results/{paper}/parts/{step}.{kind}.csv" for kind in kinds]

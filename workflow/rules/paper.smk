@@ -100,6 +100,7 @@ for paper in PAPERS:
         output:
             f"results/{paper}/quantities.csv",
             f"results/{paper}/gains.csv",
+            f"results/{paper}/poles.csv",
             f"results/{paper}/failures.csv",
             f"results/{paper}/certificates.csv",
             f"results/{paper}/verdicts.csv",

@@ -21,9 +21,15 @@ GAIN_COLUMNS = (
     "gain", "row", "column", "published", "rounding_low", "rounding_high", "resynthesised", "identified",
     "range_low", "range_high",
 )  # fmt: skip
+POLE_COLUMNS = ("set", "pole", "part", "published", "rounding_low", "rounding_high", "recomputed", "radius")
 FAILURE_COLUMNS = ("step", "where", "task", "message")
 #: the tables of a step's results that are joined over all steps of a paper
-PARTS = {"quantities": QUANTITY_COLUMNS, "gains": GAIN_COLUMNS, "failures": FAILURE_COLUMNS}
+PARTS = {
+    "quantities": QUANTITY_COLUMNS,
+    "gains": GAIN_COLUMNS,
+    "poles": POLE_COLUMNS,
+    "failures": FAILURE_COLUMNS,
+}
 #: steps that keep records, in the order of the workflow
 STEPS = ("synthesis", "audit", "simulation", "figures", "views")
 
@@ -201,6 +207,27 @@ class Results:
                     gain, i + 1, j + 1, printed.text, float(printed.low), float(printed.high),
                     entry(resynthesised, i, j), entry(identified, i, j), entry(low, i, j), entry(high, i, j),
                 ))  # fmt: skip
+
+    def poles(
+        self, name: str, *, published: PrintedMatrix, recomputed: Sequence[complex], radius: Sequence[float]
+    ) -> None:
+        """Add published pole locations, each with the pole that was matched to it.
+
+        Parameters
+        ----------
+        name : str
+            Where they are printed, such as ``(40)``.
+        published : PrintedMatrix, shape (k, 2)
+            Real part and modulus of the imaginary part of each pole or conjugate pair, 1/s.
+        recomputed : sequence of complex, length k
+            The matched poles, those of pairs with a positive imaginary part, 1/s.
+        radius : sequence of float, length k
+            How far each may lie from there within the rounding of the printed gains, 1/s.
+        """
+        for number, (row, pole, reach) in enumerate(zip(published.rows, recomputed, radius, strict=True), start=1):
+            for part, printed, value in zip(("real", "imaginary"), row, (pole.real, pole.imag), strict=True):
+                rounding = float(printed.low), float(printed.high)
+                self._rows["poles"].append((name, number, part, printed.text, *rounding, float(value), float(reach)))
 
     def scan(self, scan: Any) -> None:
         """Write a scan over plausible inputs."""

@@ -1,0 +1,79 @@
+"""published.csv: a row for every number that a paper publishes, judged entry by entry."""
+
+import numpy as np
+import pytest
+
+from gainsay.exact.digits import PrintedNumber
+from gainsay.steps.verdicts import verdicts
+from gainsay.tables.reading import PrintedMatrix
+from gainsay.tables.results import Results
+from gainsay.verdicts.published import PUBLISHED_COLUMNS, published_rows, record_line, summary, units_of_last_digit
+
+
+def printed(*rows):
+    return PrintedMatrix(tuple(tuple(PrintedNumber(x) for x in row) for row in rows))
+
+
+@pytest.fixture
+def rows(project):
+    """Return the rows of the toy paper: a gain of four entries, a pole pair, and its claims."""
+    case = project.case()
+    results = Results(case, "audit")
+    results.quantity("audit.length", 1.52, method="m")
+    results.quantity("audit.other", 1.0, method="m")
+    results.quantity("audit.holds", 1.0, method="m")
+    value = np.array([[1.501, -2.0e-3], [0.5, 7.0]])
+    results.gains("K", published=case.printed("K"), resynthesised=value,
+                  identified=np.array([[True, True], [True, False]]), low=value - 1e-4, high=value + 1e-4)  # fmt: skip
+    results.gains("lost", published=printed(["3.0"]))
+    results.poles("(4)", published=printed(["-0.50", "0.12"]), recomputed=[-0.47 + 0.1201j], radius=[1e-3])
+    results.close()
+    results = Results(case, "simulation")
+    results.quantity("run.peak", 39.5, method="m", lower=39.4, upper=39.6)
+    results.close()
+    verdicts(case)
+    return {(row["what"], row["entry"]): row for row in published_rows(case)}
+
+
+def test_entries_of_a_gain_are_judged_one_by_one(rows):
+    assert rows["gain", "K(1,1)"]["verdict"] == "reproduced"  # 1.501 rounds to 1.50
+    assert rows["gain", "K(1,1)"]["units_of_last_digit"] == "0.1"
+    assert rows["gain", "K(2,1)"]["verdict"] == "undetermined"  # determined by our program, printed otherwise
+    assert rows["gain", "K(2,2)"]["verdict"] == "undetermined"  # not determined, though it agrees
+    assert (rows["gain", "lost(1,1)"]["verdict"], rows["gain", "lost(1,1)"]["recomputed"]) == ("uncheckable", "")
+
+
+def test_poles_are_judged_with_the_rounding_of_the_gains(rows):
+    real, imaginary = rows["pole", "(4) 1 real"], rows["pole", "(4) 1 imaginary"]
+    assert (real["verdict"], imaginary["verdict"]) == ("contradicted", "reproduced")
+    assert real["units_of_last_digit"] == "3.0"
+
+
+def test_claims_with_a_number_stand_and_those_without_do_not(rows):
+    claims = {row["claim"]: row for row in rows.values() if row["claim"]}
+    assert set(claims) == {"length", "bound", "peak"}  # feasibility, joined claims and remarks publish no number
+    assert claims["length"]["verdict"] == "contradicted" and claims["length"]["units_of_last_digit"] == "2.0"
+    assert (claims["peak"]["what"], claims["peak"]["low"], claims["peak"]["high"]) == ("response", "39.4", "39.6")
+    assert all(tuple(row) == PUBLISHED_COLUMNS for row in rows.values())
+
+
+def test_the_summary_counts_every_row_once(rows):
+    lines = summary(rows.values())
+    assert lines[0] == "gains: 5 published, 2 reproduced, 2 undetermined, 1 uncheckable"
+    assert lines[1] == "poles: 2 published, 1 reproduced, 1 contradicted"
+    assert sum(int(line.split()[1]) for line in lines) == len(rows)
+
+
+def test_the_line_on_the_record_says_whether_a_verdict_differs():
+    assert record_line([]).startswith("record: clean")
+    numbers = [("toy", "quantity", "a", "1", "2", ""), ("toy", "quantity", "b", "1", "2", "")]
+    assert record_line(numbers) == "record: differs in toy: 2 numbers; no verdict does"
+    line = record_line([*numbers, ("other", "verdict", "c", "reproduced", "contradicted", "")])
+    assert line == "record: differs in toy: 2 numbers; other: 1 verdict; 1 verdict among them"
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "units"), [("1.50", 1.53, 3), ("-8.8129e-4", -8.8130e-4, -1), ("40", 38.0, -2)]
+)
+def test_units_of_the_last_digit(text, value, units):
+    assert units_of_last_digit(text, value) == pytest.approx(units, abs=1e-6)  # by hand

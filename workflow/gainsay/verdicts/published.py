@@ -1,0 +1,188 @@
+"""Every number that a paper publishes, beside the one recomputed: the first table that a reader looks for."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from fractions import Fraction
+
+from gainsay.errors import InputError
+from gainsay.exact.digits import PrintedNumber
+from gainsay.tables import Case
+from gainsay.tables.files import cell, read_records
+from gainsay.tables.models import Claim
+
+PUBLISHED_COLUMNS = (
+    "paper", "claim", "what", "entry", "published", "recomputed", "unit", "low", "high", "units_of_last_digit",
+    "identified", "verdict",
+)  # fmt: skip
+#: kind of claim -> what its published number is; other kinds say something without a number of their own
+WHAT = {
+    "parameter": "parameter",
+    "gain": "gain",
+    "pole-region": "pole",
+    "norm-bound": "norm",
+    "cost-bound": "bound",
+    "input-bound": "bound",
+    "delay-margin": "bound",
+    "trajectory": "response",
+}
+#: what -> the word of its line in the summary, in the order of the lines
+LINES = {
+    "gain": "gains",
+    "pole": "poles",
+    "norm": "norms",
+    "bound": "bounds",
+    "response": "responses",
+    "parameter": "parameters",
+}
+_ENDS = ("reproduced", "contradicted", "undetermined", "undecided", "uncheckable", "failed")
+
+Row = Mapping[str, str]
+
+
+def units_of_last_digit(published: str, recomputed: float) -> float:
+    """Return how far a number lies from the printed one, in units of its last printed digit.
+
+    Examples
+    --------
+    >>> units_of_last_digit("1.50", 1.53)
+    3.0
+    """
+    printed = PrintedNumber(published)
+    return round(float((Fraction(recomputed) - printed.value) / (2 * printed.half_unit)), 9)
+
+
+def _row(case: Case, **cells: object) -> dict[str, str]:
+    filled: dict[str, object] = {"paper": case.name, **cells}
+    published, recomputed = str(cells["published"]), cells.get("recomputed")
+    if isinstance(recomputed, float):
+        with suppress(InputError):  # a range has no last digit of its own
+            filled["units_of_last_digit"] = units_of_last_digit(published, recomputed)
+    return {column: cell(filled.get(column)) for column in PUBLISHED_COLUMNS}
+
+
+def _number(text: str) -> float | None:
+    return float(text) if text else None
+
+
+def _entry_verdict(low: float, high: float, rounding: tuple[float, float], identified: bool) -> str:
+    """Judge an entry of a gain that is synthesised again.
+
+    Where the program determines the entry and near-optimal solutions round to it, it is reproduced. Else the printed
+    digits are one of many solutions, or belong to another program than the one we could read out of the paper: the
+    text does not decide, and neither do we.
+    """
+    meets = low <= rounding[1] and rounding[0] <= high
+    return "reproduced" if identified and meets else "undetermined"
+
+
+def _gain_rows(case: Case) -> Iterator[dict[str, str]]:
+    for row in read_records(case.results / "gains.csv", case.root):
+        value = _number(row["resynthesised"])
+        low = _number(row["range_low"]) if row["range_low"] else value
+        high = _number(row["range_high"]) if row["range_high"] else value
+        verdict = "uncheckable"
+        if value is not None and low is not None and high is not None:
+            rounding = float(row["rounding_low"]), float(row["rounding_high"])
+            verdict = _entry_verdict(low, high, rounding, row["identified"] == "1")
+        yield _row(
+            case, what="gain", entry=f"{row['gain']}({row['row']},{row['column']})", published=row["published"],
+            recomputed=value, low=low, high=high, identified=row["identified"], verdict=verdict,
+        )  # fmt: skip
+
+
+def _pole_rows(case: Case) -> Iterator[dict[str, str]]:
+    for row in read_records(case.results / "poles.csv", case.root):
+        value, radius = float(row["recomputed"]), float(row["radius"])
+        low, high = value - radius, value + radius
+        meets = low <= float(row["rounding_high"]) and float(row["rounding_low"]) <= high
+        yield _row(
+            case, what="pole", entry=f"{row['set']} {row['pole']} {row['part']}", published=row["published"],
+            recomputed=value, unit="1/s", low=low, high=high, verdict="reproduced" if meets else "contradicted",
+        )  # fmt: skip
+
+
+def _is_published(case: Case, claim: Claim) -> bool:
+    """Say whether a claim publishes a number: no yes or no, and none that only compares two of ours."""
+    if claim.kind not in WHAT or claim.comparator not in ("equal", "at_most", "at_least", "inside"):
+        return False
+    return not case.quantities[claim.quantity].meaning.startswith("whether")
+
+
+def _claim_rows(case: Case) -> Iterator[dict[str, str]]:
+    verdicts = {row["claim"]: row for row in read_records(case.results / "verdicts.csv", case.root)}
+    for claim in case.claims.values():
+        if not _is_published(case, claim):
+            continue
+        row = verdicts.get(claim.id)
+        if row is None:
+            yield _row(case, claim=claim.id, what=WHAT[claim.kind], entry=claim.quantity, published=claim.published,
+                       unit=claim.unit, verdict="failed")  # fmt: skip
+            continue
+        yield _row(
+            case, claim=claim.id, what=WHAT[claim.kind], entry=claim.quantity, published=claim.published,
+            recomputed=_number(row["recomputed"]), unit=claim.unit, low=_number(row["range_low"]),
+            high=_number(row["range_high"]), verdict=row["verdict"],
+        )  # fmt: skip
+
+
+def published_rows(case: Case) -> list[dict[str, str]]:
+    """Return a row for every number that a paper publishes and that is held against one of ours.
+
+    Returns
+    -------
+    list of dict
+        Keys as in `PUBLISHED_COLUMNS`: entries of gains, locations of poles, then the numbers of claims.
+
+    Raises
+    ------
+    InputError
+        If a results table is missing or malformed.
+    """
+    return [*_gain_rows(case), *_pole_rows(case), *_claim_rows(case)]
+
+
+def summary(rows: Iterable[Row]) -> list[str]:
+    """Return a line for each sort of published number: how many, and how they came out.
+
+    Examples
+    --------
+    >>> summary([{"what": "norm", "verdict": "reproduced"}])
+    ['norms: 1 published, 1 reproduced']
+    """
+    counts = {what: Counter[str]() for what in LINES}
+    for row in rows:
+        counts[row["what"]][row["verdict"]] += 1
+    return [
+        f"{LINES[what]}: {sum(found.values())} published, "
+        + ", ".join(f"{found[verdict]} {verdict}" for verdict in _ENDS if found[verdict])
+        for what, found in counts.items()
+        if found
+    ]
+
+
+def _several(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def record_line(differences: Sequence[Sequence[str]]) -> str:
+    """Return one line on the record: what differs in which papers, and whether a verdict does.
+
+    Parameters
+    ----------
+    differences : sequence of rows
+        As `gainsay.verdicts.differences.differences` gives them.
+    """
+    if not differences:
+        return "record: clean, every verdict, number, scan, certificate and file is as on record"
+    papers: dict[str, Counter[str]] = {}
+    for paper, what, *_ in differences:
+        papers.setdefault(paper, Counter())[what] += 1
+    nouns = {"quantity": "number", "failure": "failed computation", "erratum": "erratum's witness"}
+    parts = [
+        f"{paper}: " + ", ".join(_several(count, nouns.get(what, what)) for what, count in found.items())
+        for paper, found in papers.items()
+    ]
+    verdicts = sum(found["verdict"] for found in papers.values())
+    ending = "no verdict does" if not verdicts else f"{_several(verdicts, 'verdict')} among them"
+    return f"record: differs in {'; '.join(parts)}; {ending}"
