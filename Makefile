@@ -3,13 +3,15 @@
 # make record     put today's values on record, show changes   make lock       resolve requirements.lock again
 # make bench      measure speed, as ratios                     make gallery    render every log without a screen
 # make docs       write the generated documentation            make clean      remove results
+# make kernels    run as other machines would, check           make versions   run with older and newer libraries, check
+# make nightly    all that is too long for a change
 
 PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
 RUN := PATH="$(CURDIR)/$(BIN):$$PATH" VIRTUAL_ENV="$(CURDIR)/.venv"
 
-.PHONY: all test test-slow lint lock record bench gallery docs clean
+.PHONY: all test test-slow lint lock record bench gallery docs clean kernels kernels-quick versions nightly
 
 all: $(READY)
 	@$(RUN) gainsay lint
@@ -58,6 +60,27 @@ bench: $(READY)
 
 gallery: $(READY)
 	@$(RUN) gainsay gallery
+
+kernels: $(READY)
+	@$(RUN) python -m gainsay.steps.kernels
+
+kernels-quick: $(READY)
+	@$(RUN) python -m gainsay.steps.kernels --quick
+
+# The same lock with other versions of what solves and integrates: verdicts must be the same, numbers within the record.
+OLDER := clarabel==0.10.0 cvxpy==1.7.2 scipy==1.16.2
+NEWER := clarabel cvxpy scipy
+versions: $(READY)
+	@for versions in "$(OLDER)" "--upgrade $(NEWER)"; do \
+	  place=$$(mktemp -d) && $(PYTHON) -m venv $$place/venv && \
+	  $(BIN)/uv pip sync --quiet --require-hashes --python $$place/venv/bin/python requirements.lock && \
+	  $(BIN)/uv pip install --quiet --python $$place/venv/bin/python $$versions && \
+	  $(BIN)/uv pip install --quiet --no-deps --no-build-isolation --python $$place/venv/bin/python --editable . && \
+	  echo "versions    $$($(BIN)/uv pip list --python $$place/venv/bin/python 2>/dev/null | grep -E '^(clarabel|cvxpy|scipy) ' | tr -s ' \n' ' ')" && \
+	  $$place/venv/bin/python -m gainsay.steps.kernels --here; code=$$?; rm -rf $$place; [ $$code = 0 ] || exit $$code; \
+	done
+
+nightly: $(READY) kernels versions
 
 clean:
 	@rm -rf results/*/ results/index.html results/verdicts.csv results/differences.csv results/.checked
