@@ -75,7 +75,10 @@ def completed_square(case) -> Certificate:
             "right": "(T - l**2 * G) @ (T - l**2 * G).T",
         },
         quantities={"identity": "lemma2.identity"},
-        faith=("That the identity at size 2 stands for every size.",),
+        faith=(
+            "That the identity at size 2 stands for every size.",
+            "The step from the identity to Lemma 2: a square is not negative, and division by 2 l^2 > 0.",
+        ),
     )
 
 
@@ -98,4 +101,5 @@ def negative_multiplier(case) -> Certificate:
         },
         witness={"Y": "0", "f": "1"},
         quantities={"feasible": "lemma1.without_sign"},
+        faith=("That Y - 2 is the condition of Lemma 1 and Y + 2 f its conclusion for H = E = 1, mu = -1, F = f.",),
     )

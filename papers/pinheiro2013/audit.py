@@ -19,6 +19,11 @@ RATE = "[[1, 0, -st], [0, cf, sf*ct], [0, -sf, cf*ct]]"
 #: sines and cosines to first order in angles e phi, e theta, e psi
 FIRST_ORDER = {"sf": "e*phi", "cf": "1", "st": "e*theta", "ct": "1", "sp": "e*psi", "cp": "1"}
 CIRCLES = ["cf**2 + sf**2 - 1", "ct**2 + st**2 - 1", "cp**2 + sp**2 - 1"]
+#: a point at which the relations of an identity meet: sines 3/5 and cosines 4/5, no step e, moments 2; 1 elsewhere
+MEETING = {
+    **dict.fromkeys(("sf", "st", "sp"), "3/5"), **dict.fromkeys(("cf", "ct", "cp"), "4/5"),
+    "e": "0", "I": "2", "Iy": "2", "v": "1/2",
+}  # fmt: skip
 LINEAR_RATE = "[[e*dphi - n*e*psi], [e*dtheta - n], [e*dpsi + n*e*phi]]"
 
 
@@ -31,6 +36,7 @@ def _identity(case, results, quantity: str, statement: str, names: str, left: st
     certificate = build.certificate(
         "identity", id=quantity.replace(".", "-").replace("_", "-"), paper=case.name, tables=case, statement=statement,
         unknowns=_names(names), definitions=more.get("definitions", {}),
+        witness={name: MEETING.get(name, "1") for name in names.split()} if "modulo" in more else {},
         fields={"left": left, "right": right} | ({"modulo": more["modulo"]} if "modulo" in more else {}),
         quantities={"identity": quantity}, claims=_claims(case, quantity),
     )  # fmt: skip

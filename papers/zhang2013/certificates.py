@@ -106,6 +106,10 @@ def negative_form(case) -> Certificate:
         unknowns=unknowns | {"l1": {"shape": [1, 1]}},
         fields={"left": f"diag({', '.join(left)})", "right": f"diag({', '.join(right)})"},
         quantities={"identity": "theorem2.negative_lambda1_form"},
+        faith=(
+            "The step from the identity to the sign: for lambda1 <= 0 and d_M, mu > 0 every term of the right sides is "
+            "a non-negative multiple of a positive definite matrix.",
+        ),
     )
 
 

@@ -23,6 +23,7 @@ FREE_LOOP = {
 """A system (7)-(8) without numbers. d_M is set to 1 by the choice of the unit of time."""
 TIME_UNIT = (("d_M", "eye(1)"),)
 UNIT_NOTE = "time in units of d_M, in which d_M = 1; any other unit scales rates and R alone"
+UNIT_ON_FAITH = ("That the unit of time may be chosen so that d_M = 1.",)
 VECTORS = {name: {"shape": [3, 1]} for name in ("z", "v", "zd", "zM")} | {"w": {"shape": [2, 1]}}
 W1 = "((z - zd).T @ R @ (z - zd))"
 W2 = "((zd - zM).T @ R @ (zd - zM))"
@@ -48,8 +49,9 @@ def identity(
     quantity: str,
     case: Case,
     definitions: Sequence = (),
+    faith: Sequence[str] = (),
 ) -> Certificate:
-    """Certificate that two formulas agree for every value of their unknowns."""
+    """Certificate that two formulas agree for every value of their unknowns; `faith` names what it leaves to prose."""
     return certificate(
         "identity",
         id=name,
@@ -60,6 +62,7 @@ def identity(
         definitions=definitions,
         fields={"left": left, "right": right},
         quantities={"identity": quantity},
+        faith=faith,
     )
 
 
@@ -164,6 +167,11 @@ def lemma(case: Case, results: Results) -> None:
             dict.fromkeys(("s", "r", "W1", "W2"), scalar),
             "lemma1.holds",
             case,
+            faith=(
+                "That s, r, W1 and W2 are not negative and s + r > 0 in Lemma 1.",
+                "The step from the identities to Lemma 1: for s < 2 r a sum of D1 and D2 with weights 2 r - s > 0 and "
+                "s is not negative, so not both are negative; for s >= 2 r the second is a sum of terms >= 0.",
+            ),
         )
     )
     results.quantity("lemma1.holds", 1, method="polynomial identity", source="Lemma 1")
@@ -214,6 +222,7 @@ def functional(case: Case, results: Results) -> None:
                 f"{name}.identity",
                 case,
                 TIME_UNIT,
+                UNIT_ON_FAITH,
             )
         )
         results.quantity(f"{name}.identity", 1, method="polynomial identity", source=f"({name[2:]})")
@@ -233,6 +242,7 @@ def functional(case: Case, results: Results) -> None:
                 f"eq{number}.identity",
                 case,
                 TIME_UNIT,
+                UNIT_ON_FAITH,
             )
         )
         results.quantity(f"eq{number}.identity", 1, method="polynomial identity", source=f"(9{part}), ({number})")
@@ -300,6 +310,11 @@ def slack(case: Case, results: Results) -> None:
             "theorem1.slack_useless",
             case,
             (*TIME_UNIT, ("T", on)),
+            faith=(
+                "The step from the identity to the equivalence: (9) is negative definite if and only if its block at "
+                "z' is and so is its largest value over z', which for P2 = P1, P3 = d_M R is taken on the subspace.",
+                *UNIT_ON_FAITH,
+            ),
         )
     )
     results.quantity("theorem1.slack_useless", 1, method="polynomial identity", source="(9)")

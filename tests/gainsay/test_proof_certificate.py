@@ -173,7 +173,6 @@ def test_a_formula_that_reads_something_else_is_refused():
         (["fields", "beta"], "1", "'beta'"),
         (["fields"], {"matrix": "A"}, "'alpha'"),
         (["kind"], "wishful", "'wishful'"),
-        (["kind"], "../checker", "kind"),
         (["witness", "P"], [["1"]], "shape"),
         (["witness", "P"], [["1", "2"], ["3"]], "length"),
         (["witness", "P", 0, 0], "one", "exact number"),
@@ -344,8 +343,9 @@ def test_checking_a_file_imports_no_solver_and_no_paper(tmp_path):
 
 
 def test_a_claim_needs_a_conclusion_on_its_quantity():
+    other = (Conclusion("loop.stable", "holds", None, "stable"),)
     with pytest.raises(CertificateError, match=r"about 'loop\.abscissa'"):
-        build.finish(example().changed(conclusions=()), tables())
+        check(example().changed(conclusions=other), tables())
 
 
 def test_designs_are_read_from_the_results(tmp_path):
@@ -354,7 +354,10 @@ def test_designs_are_read_from_the_results(tmp_path):
     (folder / "repaired.json").write_text(
         json.dumps({"name": "repaired", "note": "", "matrices": {"K": [[0.1, -2.5]]}})
     )
-    case = SimpleNamespace(designs={}, root=tmp_path, name="spring", quantities={"gain": None}, claims={})
+    declared = SimpleNamespace(designs={"repaired": "of ours"})
+    case = SimpleNamespace(
+        designs={}, root=tmp_path, name="spring", quantities={"gain": None}, claims={}, paper=declared
+    )  # fmt: skip
     certificate = build.certificate(
         "enclosed",
         id="gain",

@@ -43,7 +43,9 @@ def test_identity_with_and_without_relations():
     rotation = [("R", "[[c, -s], [s, c]]")]
     make("identity", {"left": "(X@X).T", "right": "X@X"}, unknowns=unknowns)
     fields = {"left": "R.T@R", "right": "eye(2)", "modulo": ["c**2 + s**2 - 1"]}
-    assert proved(make("identity", fields, unknowns=unknowns, definitions=rotation)) == {("identity", "holds", None)}
+    point = {"c": "3/5", "s": "4/5", "X": [["0", "0"], ["0", "0"]]}
+    certificate = make("identity", fields, point, unknowns=unknowns, definitions=rotation)
+    assert proved(certificate) == {("identity", "holds", None)}
     del fields["modulo"]
     assert "row 1, column 1" in refused("identity", fields, unknowns=unknowns, definitions=rotation)
     assert "row 1, column 2" in refused("identity", {"left": "X", "right": "diag(X[0,0], X[1,1])"}, unknowns=unknowns)
@@ -464,3 +466,41 @@ def test_contour_bounds_a_norm_for_every_parameter():
     fields = {**SYSTEM, **lft, "alpha": "0", "scale": "1", "gamma": "0.528"}
     assert ("norm", "less_than", "0.528") in proved(make("contour", fields, {"P": p, "d": [["0.053"]]}))
     refused("contour", {**fields, "gamma": "0.526"}, {"P": p, "d": [["0.053"]]})
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "witness", "named"),
+    [
+        # an uncertain system in the certificate, and a proof about the nominal one
+        ("quadratic_bound", {"A": SIMPLE, "Cz": "row(1, 0)", "blocks": [["repeated", 1]]}, {"P": I}, "'H'"),
+        ("quadratic_bound", {"A": SIMPLE, "Dw": "1"}, {"P": I}, "'H'"),
+        ("quadratic_bound", {"A": SIMPLE, "cost": "1"}, {"P": I}, "'x0'"),
+        ("unstable", {"matrix": SIMPLE, "alpha": "0", "shift": "1", "radius": "1"}, {"P": I}, "a line"),
+        ("unstable", {"matrix": SIMPLE, "shift": "1"}, {"P": I}, "'radius'"),
+        ("unstable", {"matrix": SIMPLE}, {"P": I}, "a line"),
+        ("eigenvalues", {"matrix": SIMPLE, "measure": "abscissa", "shift": "1"}, None, "'shift'"),
+        (
+            "eigenvalues",
+            {"matrix": SIMPLE, "measure": "radius", "shift": "1", "points": [["1", "0"]]},
+            None,
+            "'points'",
+        ),
+    ],
+)
+def test_fields_that_a_proof_would_pass_over_are_refused(kind, fields, witness, named):
+    assert named in refused(kind, fields, witness)
+
+
+@pytest.mark.parametrize(
+    ("extra", "named"),
+    [
+        ({"alpha": "0", "scale": "1", "shift": "1", "radius": "1"}, "half plane"),
+        ({"alpha": "0"}, "'scale'"),
+        ({}, "half plane"),
+        ({"alpha": "0", "scale": "1", "C": "row(1, 0)"}, "'gamma'"),
+        ({"alpha": "0", "scale": "1", "D": "1"}, "'gamma'"),
+    ],
+)
+def test_fields_that_a_contour_would_pass_over_are_refused(extra, named):
+    fields = {"A": SIMPLE, "H": "col(0, 1)", "Cz": "row(1, 0)", "blocks": [["repeated", 1]], "arcs": ["0", "1"]}
+    assert named in refused("contour", fields | extra, {"P": I, "d": [["1"]]})

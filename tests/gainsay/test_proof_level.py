@@ -7,18 +7,20 @@ from scipy import linalg
 from gainsay.errors import CertificateError
 from gainsay.proof import MappingTables, build, check
 
-TABLES = MappingTables(numbers={"radius": "1.5"}, printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]]}, claims={})
+TABLES = MappingTables(
+    numbers={"radius": "1.5", "gamma": "2"}, printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]]}, claims={}
+)
 A = np.array([[0.0, 1.0], [-2.0, -3.0]])
 CHANNELS = {"A": "A", "H": "col(0, level)", "Cz": "row(1, 0)", "blocks": [["repeated", 1]]}
 DISK = {
     "name": "disk",
     "kind": "contour",
-    "fields": {**CHANNELS, "arcs": ["0", "0.5", "1"], "shift": "1.5", "radius": "number('radius')"},
+    "fields": {**CHANNELS, "arcs": ["0", "0.5", "1"], "shift": "number('radius')", "radius": "b"},
 }
 NORM = {
     "name": "norm",
     "kind": "robust_norm",
-    "fields": {**CHANNELS, "B": "col(0, 1)", "C": "row(1, 0)", "gamma": "2"},
+    "fields": {**CHANNELS, "B": "col(0, 1)", "C": "row(1, 0)", "gamma": "number('gamma')"},
 }
 STEIN = linalg.solve_discrete_lyapunov(((A + 1.5 * np.eye(2)) / 1.5).T, np.eye(2))
 # bounded real lemma with multiplier one at level 0.5: both channels enter the second state, 1/4 + 1/4
@@ -38,7 +40,7 @@ def made(parts=(DISK, NORM), level="0.5", witness=WITNESS, field="level", quanti
         paper="p",
         statement="s",
         tables=TABLES,
-        definitions={"level": level, "A": "printed('A')"},
+        definitions={"level": level, "A": "printed('A')", "b": "number('radius')"},
         fields={"level": field, "parts": list(parts)},
         witness=witness,
         quantities={quantity: "x"},
@@ -64,7 +66,7 @@ def test_every_part_speaks_of_the_level():
     # what the parts read is among the data: another table is another certificate
     assert set(certificate.data) == {"number", "printed"}
     other = MappingTables(
-        numbers={"radius": "1.4"}, printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]]}, claims={}
+        numbers={"radius": "1.4", "gamma": "2"}, printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]]}, claims={}
     )
     with pytest.raises(CertificateError, match="radius"):
         check(certificate, other)
@@ -90,3 +92,27 @@ def test_parts_that_are_not_what_they_should_be_are_refused():
     assert "'gamma' is missing" in refused(parts=(DISK, {**NORM, "fields": {**CHANNELS, "B": "1", "C": "1"}}))
     assert "expected name, kind and fields" in refused(parts=())
     assert "expected name, kind and fields" in refused(parts=(DISK, {"name": "norm"}))
+
+
+def test_a_level_speaks_of_the_tables_own_requirements():
+    """With a wider disk or a higher norm than the paper's any level is reached: that is no level of the paper's."""
+    for part, field, value in (
+        (DISK, "radius", "1000"), (DISK, "shift", "2 * number('radius')"), (DISK, "radius", "1000*b"),
+        (NORM, "gamma", "1e9"), (NORM, "gamma", "number('gamma') + 1"), (NORM, "gamma", "level"),
+    ):  # fmt: skip
+        changed = {**part, "fields": {**part["fields"], field: value}}
+        parts = (changed, NORM) if part is DISK else (DISK, changed)
+        assert "entry of the parameter table" in refused(parts=parts)
+    torque = {"A": "A", "x0": "col(1, 0)", "inputs": [{"of": "u", "row": "level * row(1, 0)", "bound": "1e6"}]}
+    part = {"name": "torque", "kind": "quadratic_bound", "fields": torque}
+    assert "inputs is '1e6'" in refused(parts=(DISK, NORM, part))
+
+
+def test_every_part_depends_on_the_level():
+    fixed = {**DISK, "fields": {**DISK["fields"], "H": "col(0, 0.5)"}}
+    assert "does not depend on the level" in refused(parts=(fixed, NORM), level="0.9")
+    assert "does not depend" in refused(parts=({**fixed, "fields": {**fixed["fields"], "D": "level0"}}, NORM))
+
+
+def test_what_stays_on_faith_names_the_smaller_levels():
+    assert any("smaller level" in sentence for sentence in check(made(), TABLES).faith)

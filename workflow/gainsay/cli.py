@@ -1,6 +1,7 @@
 """The command `gainsay`: lint, check, record, search, docs, proof, logs, view, replay, gallery."""
 
 import argparse
+import math
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -82,22 +83,34 @@ def docs(options: argparse.Namespace) -> int:
 
 
 def prove(options: argparse.Namespace) -> int:
-    """Check certificates again and say what each proves and what stays on faith."""
-    from gainsay.proof import check_file
+    """Check certificates again and say what each concludes, from which formulas, and what stays on faith."""
+    from gainsay.proof.guarded import check_file_within
+    from gainsay.proof.telling import lines, one_line
 
+    for path in options.certificates:
+        if not path.is_file():
+            raise InputError("file not found", file=one_line(str(path)), expected="a certificate")
     refused = 0
     for path in options.certificates:
         try:
-            proof = check_file(path.resolve(), options.root)
+            proof = check_file_within(path.resolve(), options.root, options.timeout)
         except InputError:
             raise
         except GainsayError as error:
-            print(f"{path}: REFUSED: {error}")
+            print(f"{one_line(str(path))}: REFUSED: {one_line(str(error))}", flush=True)
             refused += 1
             continue
-        print(f"{path}: proved by {proof.theorem}: {proof.statement}")
-        print(f"  on faith: {proof.faith}")
+        print(f"{one_line(str(path))}: accepted")
+        for line in lines(proof):
+            print(f"  {line}", flush=True)
     return DIFFERENCES if refused else CLEAN
+
+
+def _seconds(text: str) -> float:
+    seconds = float(text)
+    if not 0 < seconds < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected seconds, more than 0")
+    return seconds
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -122,7 +135,9 @@ def _parser() -> argparse.ArgumentParser:
     searched.add_argument("paper", help="folder name below papers/")
     searched.add_argument("design", nargs="?", help="a name of [designs] in paper.toml; default: all")
     add("docs", docs).add_argument("--check", action="store_true", help="only say whether they are stale")
-    add("prove", prove).add_argument("certificates", nargs="+", type=Path, help="results/<paper>/certificates/*.json")
+    proving = add("prove", prove)
+    proving.add_argument("certificates", nargs="+", type=Path, help="results/<paper>/certificates/*.json")
+    proving.add_argument("--timeout", type=_seconds, default=120, help="seconds for each; refused after that")
     _add_log_commands(add)
     return parser
 

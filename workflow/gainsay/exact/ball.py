@@ -10,6 +10,7 @@ from fractions import Fraction
 
 from flint import acb_mat, arb, arb_mat, ctx
 
+from gainsay.exact.budget import MOST_BITS, spend
 from gainsay.exact.rational import exact, to_fmpq
 
 __all__ = [
@@ -61,18 +62,23 @@ def lower(value: arb) -> Fraction:
     Raises
     ------
     ArithmeticError
-        If the ball is not finite.
+        If the ball is not finite, or of a size that no number in a certificate has.
     """
-    if not value.is_finite():
-        raise ArithmeticError("an enclosure is not finite")
-    return exact(value.lower().fmpq())
+    return _end(value, value.lower())
 
 
 def upper(value: arb) -> Fraction:
     """Exact upper end of a ball; raises like `lower`."""
+    return _end(value, value.upper())
+
+
+def _end(value: arb, end: arb) -> Fraction:
     if not value.is_finite():
         raise ArithmeticError("an enclosure is not finite")
-    return exact(value.upper().fmpq())
+    _, power = end.man_exp()
+    if abs(power) > MOST_BITS:  # written out as a ratio it would fill the memory
+        raise ArithmeticError("an enclosure too large or too near to zero to be written out")
+    return exact(end.fmpq())
 
 
 def decimal_below(value: Fraction, digits: int = 17) -> Fraction:
@@ -102,6 +108,9 @@ def eigenvalues(matrix: arb_mat) -> list:
     ArithmeticError
         If they could not be separated: repeated, or the matrix too wide.
     """
+    if not all(x.is_finite() for x in matrix.entries()):
+        raise ArithmeticError("eigenvalues of a matrix that is not finite")
+    spend(3000 * matrix.nrows() ** 3, "eigenvalues")
     try:
         found = acb_mat(matrix).eig()
     except (ValueError, ArithmeticError) as error:

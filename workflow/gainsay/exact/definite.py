@@ -6,7 +6,9 @@ References: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed
 S. M. Rump, "Verification of positive definiteness", BIT 46 (2006) 433-452.
 """
 
-from flint import acb, acb_mat, arb, arb_mat, fmpq, fmpq_mat
+from flint import acb, acb_mat, arb, arb_mat, ctx, fmpq, fmpq_mat
+
+from gainsay.exact.budget import multiply_cost, spend
 
 __all__ = [
     "ball_positive_definite",
@@ -41,6 +43,9 @@ def rational_positive_definite(matrix: fmpq_mat, semidefinite: bool = False) -> 
         return False
     rows = matrix.tolist()
     size = len(rows)
+    # after k steps an entry is a quotient of minors of size k
+    bits = max(x.height_bits() for x in matrix.entries())
+    spend(size**3 / 6 * multiply_cost(size * bits, size * bits), "an exact factorisation")
     for k in range(size):
         pivot = rows[k][k]
         if pivot < 0 or (pivot == 0 and not semidefinite):
@@ -95,6 +100,7 @@ def inertia(matrix: fmpq_mat) -> tuple[int, int, int]:
 
 def _ball_cholesky(rows: list[list[arb]]) -> bool:
     size = len(rows)
+    spend(size**3 / 6 * (60 + multiply_cost(ctx.prec, ctx.prec)), "a factorisation in balls")
     factor: list[list[arb]] = []
     for i in range(size):
         line: list[arb] = []
@@ -117,6 +123,7 @@ def _ball_cholesky(rows: list[list[arb]]) -> bool:
 def _ball_gershgorin(matrix: arb_mat) -> bool:
     """Prove T F T' > 0 by Gershgorin's circles, T the inverse Cholesky factor of the midpoint: tight for wide balls."""
     size = matrix.nrows()
+    spend(size**3 * (60 + multiply_cost(ctx.prec, ctx.prec)), "a factorisation in balls")
     middle = matrix.mid().tolist()
     factor: list[list[arb]] = []
     for i in range(size):
@@ -174,22 +181,43 @@ def hermitian_positive_definite(matrix: acb_mat) -> bool:
     return True
 
 
+def _in_balls(matrix: fmpq_mat) -> bool:
+    """Prove a rational symmetric matrix > 0 by Cholesky in balls, at growing precision; False proves nothing."""
+    bits = ctx.prec
+    for factor in (1, 2, 4):
+        with ctx.workprec(factor * bits):
+            if _ball_cholesky(arb_mat(matrix).tolist()):
+                return True
+    return False
+
+
 def positive_definite(matrix: fmpq_mat | arb_mat) -> bool:
     """Prove > 0: balls first, since they are fast, and exact L D L' for a rational matrix that they cannot settle."""
     if isinstance(matrix, fmpq_mat):
-        if not is_symmetric(matrix):
-            return False
-        return _ball_cholesky(arb_mat(matrix).tolist()) or rational_positive_definite(matrix)
+        return is_symmetric(matrix) and (_in_balls(matrix) or rational_positive_definite(matrix))
     return ball_positive_definite(matrix)
 
 
 def positive_semidefinite(matrix: fmpq_mat | arb_mat) -> bool:
-    """Prove >= 0: exact for rationals; a ball matrix must be provably > 0, or a provably non-negative number."""
+    """Prove >= 0: a rational matrix in balls where it is > 0, else exactly, without its zero rows and columns.
+
+    A ball matrix must be provably > 0, or a provably non-negative number.
+    """
     if isinstance(matrix, fmpq_mat):
-        return rational_positive_definite(matrix, semidefinite=True)
+        if not is_symmetric(matrix):
+            return False
+        matrix = _without_zeros(matrix)
+        return _in_balls(matrix) or rational_positive_definite(matrix, semidefinite=True)
     if matrix.nrows() == matrix.ncols() == 1:
         return bool(matrix[0, 0] >= 0)
     return ball_positive_definite(matrix)
+
+
+def _without_zeros(matrix: fmpq_mat) -> fmpq_mat:
+    """Matrix without the rows and columns of zeros, which change nothing about >= 0; one of zeros stays."""
+    rows = matrix.tolist()
+    keep = [i for i, row in enumerate(rows) if any(x != 0 for x in row)] or [0]
+    return fmpq_mat([[rows[i][j] for j in keep] for i in keep])
 
 
 def cholesky_factor(matrix: fmpq_mat) -> arb_mat:

@@ -9,14 +9,14 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, arb_mat, fmpq, fmpq_mat, fmpq_mpoly
+from flint import arb, arb_mat, ctx, fmpq, fmpq_mat, fmpq_mpoly, fmpz
 
+from gainsay.exact.budget import LARGEST_SIDE, MOST_BITS, MOST_DEGREE, MOST_TERMS, BudgetError, multiply_cost, spend
 from gainsay.exact.rational import rational_matrix, to_fmpq
 
 __all__ = ["Matrix", "RingError", "block", "diagonal", "eye", "kron", "zeros"]
 
 RATIONAL, BALL, POLYNOMIAL = "rational", "ball", "polynomial"
-LARGEST = 1000
 
 
 class RingError(ValueError):
@@ -24,15 +24,22 @@ class RingError(ValueError):
 
 
 class Matrix:
-    """Matrix over one of the three rings.
+    """Matrix over one of the three rings, with at least one entry.
 
     Parameters
     ----------
     data : fmpq_mat, arb_mat or sequence of rows of fmpq_mpoly
         The entries; the ring follows from the type.
+
+    Raises
+    ------
+    RingError
+        If it has no entries.
+    BudgetError
+        If it is larger than `gainsay.exact.budget` allows.
     """
 
-    __slots__ = ("data", "ring", "shape")
+    __slots__ = ("bits", "data", "ring", "shape", "terms")
 
     def __init__(self, data: Any) -> None:
         self.data = data
@@ -43,6 +50,32 @@ class Matrix:
         else:
             self.data = [list(row) for row in data]
             self.ring, self.shape = POLYNOMIAL, (len(self.data), len(self.data[0]) if self.data else 0)
+        if 0 in self.shape:
+            raise RingError(f"a matrix of shape {self.shape} has no entries")
+        self.bits, self.terms = self._measured()
+
+    def _measured(self) -> tuple[int, int]:
+        """Largest bits of an entry or coefficient (0 for balls), and number of terms; refused where too large."""
+        _fits(self.shape)
+        count = self.shape[0] * self.shape[1]
+        spend(500 + 50 * count, f"a matrix of shape {self.shape}")
+        if self.ring == BALL:
+            return 0, count
+        if self.ring == RATIONAL:
+            bits, terms = max(x.height_bits() for x in self.data.entries()), count
+        else:
+            entries = [x for row in self.data for x in row]
+            terms = sum(len(x) for x in entries)
+            if terms > MOST_TERMS:
+                raise BudgetError(f"polynomials of {terms} terms: at most {MOST_TERMS}")
+            spend(100 * terms, f"polynomials of {terms} terms")
+            degree = max((int(x.total_degree()) for x in entries if x != 0), default=0)
+            if degree > MOST_DEGREE:
+                raise BudgetError(f"a polynomial of degree {degree}: at most {MOST_DEGREE}")
+            bits = max((c.height_bits() for x in entries for c in x.coeffs()), default=1)
+        if bits > MOST_BITS:
+            raise BudgetError(f"a number of {bits} bits: at most {MOST_BITS}")
+        return bits, terms
 
     @classmethod
     def number(cls, value: object) -> "Matrix":
@@ -115,6 +148,7 @@ class Matrix:
         if self.shape != other.shape:
             raise RingError(f"shapes {self.shape} and {other.shape} do not add")
         a, b = self._pair(other)
+        spend(_sum_cost(a, b), "a sum of matrices")
         if a.ring != POLYNOMIAL:
             return Matrix(operate(a.data, b.data))
         lines = zip(a.data, b.data, strict=True)
@@ -133,6 +167,7 @@ class Matrix:
         """Multiply by a number."""
         if not factor.is_number:
             raise RingError(f"factor of shape {factor.shape} where a number is expected")
+        spend(_product_cost(self, factor, self.shape[0] * self.shape[1]), "a multiple of a matrix")
         if self.ring == POLYNOMIAL or factor.ring == POLYNOMIAL:
             if BALL in (self.ring, factor.ring):
                 raise RingError("balls and indeterminates do not mix: an identity or a Farkas proof needs rationals")
@@ -155,6 +190,7 @@ class Matrix:
             raise RingError(f"shapes {self.shape} and {other.shape} do not multiply")
         if POLYNOMIAL not in (self.ring, other.ring):
             a, b = self._pair(other)
+            spend(_product_cost(a, b, self.shape[0] * self.shape[1] * other.shape[1]), "a product of matrices")
             return Matrix(a.data * b.data)
         if BALL in (self.ring, other.ring):
             raise RingError("balls and indeterminates do not mix: an identity or a Farkas proof needs rationals")
@@ -162,12 +198,18 @@ class Matrix:
         zero = context.constant(0)
         left = [[(k, x) for k, x in enumerate(row) if x != 0] for row in self.rows()]
         right = other.rows()
+        words = 2 + len(context.names()) / 8
+        coefficient = multiply_cost(self.bits, other.bits)
         result = []
         for row in left:
             line = [zero] * other.shape[1]
             for k, x in row:
                 for j, y in enumerate(right[k]):
                     if y != 0:
+                        pairs = _count(x) * _count(y)
+                        spend(200 + pairs * coefficient * 3 + len(line[j]) * words, "a product of polynomials")
+                        if pairs > MOST_TERMS * 100:
+                            raise BudgetError(f"a product of {pairs} pairs of terms: at most {MOST_TERMS * 100}")
                         line[j] = line[j] + x * y
             result.append(line)
         return Matrix(result)
@@ -212,6 +254,9 @@ class Matrix:
         """
         if self.ring == POLYNOMIAL or self.shape[0] != self.shape[1]:
             raise RingError(f"no inverse of a {self.ring} matrix of shape {self.shape}")
+        size = self.shape[0]
+        bits = 128 if self.ring == BALL else _common_bits(self)
+        spend(size**3 * multiply_cost(bits if self.ring == BALL else size * bits, bits), "an inverse")
         try:
             return Matrix(self.data.inv())
         except ZeroDivisionError as error:
@@ -232,6 +277,7 @@ class Matrix:
             raise RingError(f"rows {list(rows)}, columns {list(columns)} of shape {self.shape}")
         if not rows or not columns:
             raise RingError("a sub-matrix without entries")
+        _fits((len(rows), len(columns)))
         entries = self.rows()
         picked = [[entries[i][j] for j in columns] for i in rows]
         if self.ring == POLYNOMIAL:
@@ -250,13 +296,49 @@ class Matrix:
         return Matrix(arb_mat([[function(x) for x in row] for row in self.to_ball().rows()]))
 
 
+def _fits(shape: tuple[int, int]) -> None:
+    if max(shape) > LARGEST_SIDE:
+        raise BudgetError(f"a matrix of shape {shape}: the largest side is {LARGEST_SIDE}")
+
+
+def _count(entry: Any) -> int:
+    return len(entry) if isinstance(entry, fmpq_mpoly) else 1
+
+
+def _sum_cost(a: Matrix, b: Matrix) -> float:
+    return max(a.terms, b.terms) * multiply_cost(a.bits, b.bits)
+
+
+def _product_cost(a: Matrix, b: Matrix, count: int) -> float:
+    """Units of so many products of an entry of each, the sums of rationals brought to common denominators."""
+    if POLYNOMIAL in (a.ring, b.ring):
+        return 3 * a.terms * b.terms * multiply_cost(a.bits, b.bits)
+    if BALL in (a.ring, b.ring):
+        return 2 * count * multiply_cost(ctx.prec, ctx.prec)
+    if count < 1000:
+        return count * multiply_cost(2 * a.bits, 2 * b.bits)
+    return count * multiply_cost(_common_bits(a), _common_bits(b))
+
+
+def _common_bits(matrix: Matrix) -> int:
+    """Bits of the entries of a rational matrix over their common denominator, or a number that is too many."""
+    common = fmpz(1)
+    for denominator in {int(x.q) for x in matrix.data.entries()}:
+        common = common.lcm(denominator)
+        if common.bit_length() > 4 * MOST_BITS:
+            break
+    return matrix.bits + common.bit_length()
+
+
 def zeros(rows: int, columns: int) -> Matrix:
     """Zero matrix."""
+    _fits((rows, columns))
     return Matrix(fmpq_mat(rows, columns))
 
 
 def eye(size: int) -> Matrix:
     """Identity matrix."""
+    _fits((size, size))
     return Matrix(fmpq_mat([[int(i == j) for j in range(size)] for i in range(size)]))
 
 
@@ -297,8 +379,7 @@ def block(rows: Sequence[Sequence[Matrix | None]]) -> Matrix:
 
     heights = [max((m.shape[0] for m in line if not fills(m)), default=1) for line in grid]
     widths = [max((line[j].shape[1] for line in grid if not fills(line[j])), default=1) for j in range(count)]
-    if sum(heights) > LARGEST or sum(widths) > LARGEST:
-        raise RingError(f"a matrix of shape {(sum(heights), sum(widths))}: the largest side is {LARGEST}")
+    _fits((sum(heights), sum(widths)))
     flat = []
     for i, line in enumerate(grid):
         for j, entry in enumerate(line):
@@ -326,6 +407,5 @@ def diagonal(blocks: Sequence[Matrix]) -> Matrix:
 def kron(left: Matrix, right: Matrix) -> Matrix:
     """Kronecker product."""
     shape = tuple(a * b for a, b in zip(left.shape, right.shape, strict=True))
-    if max(shape) > LARGEST:
-        raise RingError(f"a matrix of shape {shape}: the largest side is {LARGEST}")
+    _fits(shape)
     return block([[right.scaled(Matrix.number(x)) for x in row] for row in left.rows()])

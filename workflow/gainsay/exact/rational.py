@@ -20,8 +20,9 @@ __all__ = [
 ]
 
 # Decimal or ratio of integers; the exponent is bounded so that a text cannot ask for gigabytes of digits.
-_DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?")
-_RATIO = re.compile(r"[+-]?\d+/\d+")
+# ASCII alone: \d takes the digits of every script.
+_DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
+_RATIO = re.compile(r"[+-]?\d+/\d+", re.ASCII)
 _LONGEST_DECIMAL = 40
 
 
@@ -43,7 +44,7 @@ def exact(value: object) -> Fraction:
         If the text is no decimal and no ratio, or the float is not finite.
     """
     if isinstance(value, str):
-        text = value.strip()
+        text = value.strip(" ")
         if _DECIMAL.fullmatch(text) or (_RATIO.fullmatch(text) and text.split("/")[1].strip("0")):
             return Fraction(text)
         raise ValueError(f"{value!r} is no exact number: expected a decimal or a ratio of integers")

@@ -30,7 +30,8 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
         Its data are ignored; its conclusions are kept, those of `quantities` are added.
     tables : gainsay.tables.Case or any `gainsay.proof.scope.Tables`
     quantities : mapping, optional
-        From what the kind proves something about ("norm", "feasible", ...) to ids of quantities.
+        From what the kind proves something about ("norm", "feasible", ...) to ids of quantities. Where there are no
+        conclusions at all, everything proved is concluded of the formulas themselves, under no quantity.
 
     Returns
     -------
@@ -42,6 +43,9 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
     CertificateError
         If it is refused.
     """
+    draft = draft.changed(
+        definitions=tuple((name, _one_line(text)) for name, text in draft.definitions), fields=_one_line(draft.fields)
+    )
     found, data = checker.proved(draft, tables)
     conclusions = list(draft.conclusions)
     for of, quantity in (quantities or {}).items():
@@ -52,6 +56,8 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
                 f"{draft.id}: kind {draft.kind} proves nothing about {of!r} here (but about {known})"
             )
         conclusions += [Conclusion(quantity, p.relation, p.value, of) for p in about]
+    if not conclusions:  # about the formulas themselves
+        conclusions = [Conclusion("", p.relation, p.value, p.of) for p in found]
     done = Certificate.from_json(
         draft.changed(data=data, conclusions=tuple(dict.fromkeys(conclusions))).to_json(), draft.id
     )
@@ -207,6 +213,15 @@ def dual_bound(
         return certificate("dual_bound", tables=tables, witness=solved, digits=(count,), **whole)
 
     return _first(attempt, digits)
+
+
+def _one_line(value: Any) -> Any:
+    """Texts without line breaks: sources break formulas over lines, certificates hold them in one."""
+    if isinstance(value, str):
+        return " ".join(value.split())
+    if isinstance(value, Mapping):
+        return {key: _one_line(inner) for key, inner in value.items()}
+    return [_one_line(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 def _first(attempt: Callable[[int], Certificate], digits: Sequence[int]) -> Certificate:

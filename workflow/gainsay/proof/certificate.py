@@ -10,14 +10,16 @@ Format, version 1 (keys sorted, two spaces, UTF-8, a final newline; the same cer
 ``statement``   one sentence for people; that it says what the conclusions say is on faith
 ``kind``        the kind of proof: a module of `gainsay.proof.kinds`, whose docstring states the theorem
 ``precision``   bits of the balls
-``definitions`` list of [name, formula], each over the tables, the unknowns and the names before it
+``definitions`` list of [name, formula], each over the tables, the unknowns and the names before it; names are ASCII
+                identifiers that mean nothing else, formulas are ASCII on one line
 ``unknowns``    name -> {"shape": [m, n], "structure": "symmetric" | "full" | "diagonal" | "skew"}
 ``fields``      the kind's own fields: formulas, constraints, bounds
 ``witness``     name -> matrix of exact rationals as text ("-8.8129e-4", "1/3"), in nested lists
 ``data``        every table entry read, with its value: {"number": {name: text}, "printed": {name: rows},
                 "half_units": {name: rows}, "design": {"name.entry": rows}, "claims": {id: {column: text}}}
 ``conclusions`` list of {"of", "quantity", "relation", "value"}: `of` is what the kind proves something about
-                ("norm", "cost", ...), `quantity` the id it is in quantities.csv; value exact text or null
+                ("norm", "cost", ...), `quantity` the id it is in quantities.csv ("" where it is about the
+                certificate's formulas alone); value exact text or null; at least one
 ``faith``       what no check covers, one sentence each
 ``digest``      "sha256:" and the digest of the rest: guards against accidents, proves nothing
 ============== ==========================================================================================
@@ -25,10 +27,15 @@ Format, version 1 (keys sorted, two spaces, UTF-8, a final newline; the same cer
 What a check means: the data equal the tables', the formulas are evaluated anew from the tables, the kind's theorem is
 applied to them with the witness, and every conclusion follows from what was proved. So a changed statement, datum or
 witness is refused unless the mathematics still holds; that the formulas are the paper's stays on faith.
+
+A file is read strictly: no key twice, no floats, no text with control characters or halves of characters, nothing
+beyond the limits of size below.
 """
 
 import hashlib
 import json
+import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -39,6 +46,8 @@ from gainsay.errors import CertificateError
 __all__ = ["RELATIONS", "Certificate", "Conclusion", "plain"]
 
 FORMAT, VERSION = "gainsay certificate", 1
+#: bytes of a file, values in it, levels of nesting, characters of a text
+LARGEST_FILE, MOST_VALUES, DEEPEST, LONGEST_TEXT = 4_000_000, 200_000, 12, 20_000
 RELATIONS = ("at_most", "at_least", "less_than", "greater_than", "holds", "fails", "inside")
 _KEYS = (
     *("format", "version", "id", "paper", "claims", "statement", "kind", "precision", "definitions"),
@@ -49,7 +58,12 @@ _KEYS = (
 ON_FAITH = (
     "That the formulas of this certificate are those of the paper.",
     "That the quantities it concludes on are what its formulas describe.",
+    "That its sentence says what its conclusions say.",
 )
+
+_PAPER = re.compile(r"[a-z][a-z0-9_]{0,63}", re.ASCII)
+_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,127}", re.ASCII)
+_OF = re.compile(r"[A-Za-z_][A-Za-z0-9_.]{0,127}", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -59,7 +73,7 @@ class Conclusion:
     Parameters
     ----------
     quantity : str
-        Id in quantities.csv.
+        Id in quantities.csv, or nothing where it is about the certificate's formulas alone.
     relation : str
         One of `RELATIONS`; holds and fails speak of boolean quantities.
     value : str or None
@@ -137,15 +151,19 @@ class Certificate:
         CertificateError
             If it is no certificate of this version, or its digest is not that of its contents.
         """
+        if len(text) > LARGEST_FILE:
+            raise CertificateError(f"{name}: {len(text)} characters, expected at most {LARGEST_FILE}")
         try:
-            raw = json.loads(text, parse_float=_no_float, parse_constant=_no_float)
-        except (ValueError, RecursionError) as error:
+            raw = json.loads(
+                text, parse_float=_no_float, parse_constant=_no_float, parse_int=_short, object_pairs_hook=_once
+            )
+        except (ValueError, RecursionError, MemoryError) as error:
             raise CertificateError(
                 f"{name}: not readable as JSON without floats ({error})".replace("\n", " ")
             ) from error
         if not isinstance(raw, dict) or raw.get("format") != FORMAT:
             raise CertificateError(f"{name}: not a {FORMAT}")
-        if raw.get("version") != VERSION:
+        if type(raw.get("version")) is not int or raw["version"] != VERSION:
             raise CertificateError(f"{name}: version {raw.get('version')!r}, expected {VERSION}")
         for key in _KEYS:
             if key not in raw:
@@ -153,13 +171,28 @@ class Certificate:
         for key in raw:
             if key not in _KEYS:
                 raise CertificateError(f"{name}: unknown key {key!r}")
-        body = {key: value for key, value in raw.items() if key != "digest"}
-        if raw["digest"] != _digest(body):
+        certificate = cls._from_body(raw, name)
+        if raw["digest"] != _digest({key: value for key, value in raw.items() if key != "digest"}):
             raise CertificateError(f"{name}: the digest does not match the contents: the file was changed")
-        return cls._from_body(raw, name)
+        return certificate
+
+    def validated(self) -> "Certificate":
+        """The same certificate, once its parts have the form that a file must have.
+
+        Raises
+        ------
+        CertificateError
+            If they do not.
+        """
+        return self._from_body(self.body(), self.id[:80] if isinstance(self.id, str) else "certificate")
 
     @classmethod
     def _from_body(cls, raw: dict[str, Any], name: str) -> "Certificate":
+        try:
+            _readable({key: value for key, value in raw.items() if key != "digest"})
+        except ValueError as error:
+            raise CertificateError(f"{name}: {error}") from error
+
         def expect(key: str, types: type | tuple[type, ...]) -> Any:
             if not isinstance(raw[key], types) or isinstance(raw[key], bool):
                 raise CertificateError(f"{name}: {key} has the wrong type {type(raw[key]).__name__}")
@@ -171,6 +204,9 @@ class Certificate:
             expect(key, dict)
         for key in ("claims", "definitions", "conclusions", "faith"):
             expect(key, list)
+        for key, pattern in (("id", _ID), ("paper", _PAPER), ("kind", _PAPER)):
+            if not pattern.fullmatch(raw[key]):
+                raise CertificateError(f"{name}: {key} {raw[key][:80]!r} is no plain name")
         bits = expect("precision", int)
         if not 53 <= bits <= 4096:
             raise CertificateError(f"{name}: precision {bits}, expected 53 to 4096 bits")
@@ -192,6 +228,8 @@ class Certificate:
                 entry["value"], str | None
             ):
                 raise CertificateError(f"{name}: a conclusion holds texts")
+            if (entry["quantity"] and not _ID.fullmatch(entry["quantity"])) or not _OF.fullmatch(entry["of"]):
+                raise CertificateError(f"{name}: a conclusion on {entry['quantity'][:80]!r}, of {entry['of'][:80]!r}")
             conclusions.append(Conclusion(**entry))
         return cls(
             id=raw["id"],
@@ -211,7 +249,56 @@ class Certificate:
 
 
 def _no_float(text: str) -> Any:
-    raise ValueError(f"{text} is not exact: numbers are texts here")
+    raise ValueError(f"{text[:40]} is not exact: numbers are texts here")
+
+
+def _short(text: str) -> int:
+    if len(text) > 9:
+        raise ValueError(f"the integer {text[:20]}... is too long")
+    return int(text)
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Object of JSON, refused where a key stands twice."""
+    result = dict(pairs)
+    if len(result) != len(pairs):
+        twice = next(key for key in result if sum(key == k for k, _ in pairs) > 1)
+        raise ValueError(f"the key {twice[:40]!r} stands twice")
+    return result
+
+
+def _readable(value: Any) -> None:
+    """Refuse what is nested too deep or too large, and texts that do not show what they hold."""
+    level, count = [value], 0
+    for _ in range(DEEPEST + 1):
+        below = []
+        for item in level:
+            if isinstance(item, str):
+                _visible(item)
+            elif isinstance(item, dict):
+                below += [*item, *item.values()]
+            elif isinstance(item, list):
+                below += item
+        count += len(below)
+        if count > MOST_VALUES:
+            raise ValueError(f"more than {MOST_VALUES} values")
+        if not below:
+            return
+        level = below
+    raise ValueError(f"nested deeper than {DEEPEST} levels")
+
+
+def _visible(text: str) -> None:
+    """Refuse control characters, line breaks, marks that turn the writing direction, and halves of characters."""
+    if len(text) > LONGEST_TEXT:
+        raise ValueError(f"a text of {len(text)} characters, at most {LONGEST_TEXT}")
+    if text.isascii() and text.isprintable():
+        return
+    for character in text:
+        if unicodedata.category(character)[0] == "C" or unicodedata.category(character) in ("Zl", "Zp"):
+            raise ValueError(f"a text holds the character U+{ord(character):04X}, which does not show")
+    if not unicodedata.is_normalized("NFC", text):
+        raise ValueError(f"the text {text[:40]!r} is not in normal form (NFC)")
 
 
 def plain(value: Any) -> Any:

@@ -3,7 +3,8 @@
 It imports python-flint and nothing that the certificates were found with.
 """
 
-from collections.abc import Sequence
+import json
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -11,14 +12,18 @@ from typing import Any
 
 from gainsay.errors import CertificateError, GainsayError
 from gainsay.exact.ball import precision
-from gainsay.exact.matrix import RingError
+from gainsay.exact.budget import budget
 from gainsay.exact.rational import exact
 from gainsay.proof import kinds
-from gainsay.proof.certificate import ON_FAITH, Certificate, Conclusion
+from gainsay.proof.certificate import LARGEST_FILE, ON_FAITH, Certificate, Conclusion
 from gainsay.proof.kinds import Proved
 from gainsay.proof.scope import CaseTables, Scope, adapted
 
 __all__ = ["CaseTables", "Proof", "check", "check_file", "prepare", "proved", "read_certificate"]
+
+
+#: work that one check may take, in units of `gainsay.exact.budget`: four times what the largest of the papers' takes
+WORK = 5e9
 
 
 @dataclass(frozen=True)
@@ -28,7 +33,7 @@ class Proof:
     Attributes
     ----------
     id, paper, statement, kind : str
-        As in the certificate.
+        As in the certificate; that the statement says what the conclusions say is on faith.
     claims : tuple of str
         Claims that it bears on.
     theorem : str
@@ -37,6 +42,8 @@ class Proof:
         What the kind of proof gives.
     conclusions : tuple of Conclusion
         What follows for quantities, with exact values.
+    formulas : tuple of (str, str)
+        Everything that it is about: unknowns, definitions and the kind's fields, each a name and a text.
     faith : tuple of str
         What no check covers.
     """
@@ -49,6 +56,7 @@ class Proof:
     theorem: str
     proved: tuple[Proved, ...]
     conclusions: tuple[Conclusion, ...]
+    formulas: tuple[tuple[str, str], ...]
     faith: tuple[str, ...]
 
 
@@ -69,12 +77,12 @@ def prepare(certificate: Certificate, tables: Any) -> tuple[Scope, Any]:
 
 def proved(certificate: Certificate, tables: Any) -> tuple[list[Proved], dict[str, Any]]:
     """What the kind's theorem gives, and the data that were read on the way; conclusions are not looked at."""
-    with precision(certificate.precision):
+    with precision(certificate.precision), budget(WORK):
         scope, kind = prepare(certificate, tables)
         try:
             return kind.prove(scope), scope.reader.data
-        except (RingError, ArithmeticError) as error:
-            raise scope.fail(error) from error
+        except (ValueError, ArithmeticError) as error:
+            raise error if isinstance(error, GainsayError) else scope.fail(error) from error
 
 
 def _same_data(certificate: Certificate, tables: Any) -> None:
@@ -194,20 +202,13 @@ def check(certificate: Certificate, tables: Any) -> Proof:
         In one line, with the certificate's id, what does not match or is not proved.
     """
     try:
-        return _check(certificate, tables)
+        with budget(WORK):
+            return _check(certificate.validated(), tables)
     except GainsayError:
         raise
-    except (
-        ArithmeticError,
-        AssertionError,
-        AttributeError,
-        LookupError,
-        RecursionError,
-        TypeError,
-        ValueError,
-    ) as error:
+    except Exception as error:  # whatever a check stumbles over, memory and recursion too, it has not accepted it
         raise CertificateError(
-            f"{certificate.id}: malformed ({type(error).__name__}: {error})".replace("\n", " ")
+            f"{certificate.id}: malformed ({type(error).__name__}: {error})".replace("\n", " ")[:300]
         ) from error
 
 
@@ -218,6 +219,8 @@ def _check(certificate: Certificate, tables: Any) -> Proof:
         raise CertificateError(
             f"{owner}: a certificate of {certificate.paper!r}, checked against the tables of {paper!r}"
         )
+    if not certificate.conclusions:
+        raise CertificateError(f"{owner}: a certificate without a conclusion proves nothing")
     _same_data(certificate, tables)
     found, read = proved(certificate, tables)
     _complete(dict(certificate.data), read, owner)
@@ -233,21 +236,36 @@ def _check(certificate: Certificate, tables: Any) -> Proof:
                 f"{owner}: {conclusion.of or '?'} {conclusion.relation} {conclusion.value or ''} "
                 f"of {conclusion.quantity!r} does not follow from what was proved ({given})"
             )
-        if hasattr(reader, "has_quantity") and not reader.has_quantity(conclusion.quantity):
+        if conclusion.quantity and hasattr(reader, "has_quantity") and not reader.has_quantity(conclusion.quantity):
             raise CertificateError(f"{owner}: quantity {conclusion.quantity!r} is not declared in quantities.csv")
     _about_claims(certificate)
-    faith = tuple(dict.fromkeys((*ON_FAITH, *certificate.faith)))
+    kind = kinds.load(certificate.kind)
+    faith = tuple(dict.fromkeys((*ON_FAITH, *getattr(kind, "FAITH", ()), *certificate.faith)))
     return Proof(
         id=owner,
         paper=certificate.paper,
         statement=certificate.statement,
         kind=certificate.kind,
         claims=tuple(certificate.claims),
-        theorem=kinds.load(certificate.kind).THEOREM,
+        theorem=kind.THEOREM,
         proved=tuple(found),
         conclusions=tuple(certificate.conclusions),
+        formulas=tuple(_formulas(certificate)),
         faith=faith,
     )
+
+
+def _formulas(certificate: Certificate) -> Iterator[tuple[str, str]]:
+    """Unknowns, definitions and fields of a certificate, each a name and a text."""
+    for name, raw in certificate.unknowns.items():
+        m, n = raw.get("shape", [1, 1])
+        yield f"unknown {name}", f"{raw.get('structure', 'full')}, {m} x {n}" if (m, n) != (1, 1) else "a number"
+    yield from certificate.definitions
+    for name, value in certificate.fields.items():
+        if name == "constraints":
+            yield from ((str(label), str(text)) for label, text in value)
+        else:
+            yield name, value if isinstance(value, str) else json.dumps(value, ensure_ascii=True)
 
 
 def read_certificate(path: Path) -> Certificate:
@@ -256,11 +274,15 @@ def read_certificate(path: Path) -> Certificate:
     Raises
     ------
     CertificateError
-        If it is malformed, or not the one that the file is named after.
+        If it is malformed, too large, or not the one that the file is named after.
     """
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
+        with path.open("rb") as file:
+            raw = file.read(LARGEST_FILE + 1)
+        if len(raw) > LARGEST_FILE:
+            raise CertificateError(f"{path.name}: more than {LARGEST_FILE} bytes")
+        text = raw.decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise CertificateError(f"{path.name}: not readable as text") from error
     certificate = Certificate.from_json(text, path.stem)
@@ -275,11 +297,13 @@ def check_file(path: Path, root: Path) -> Proof:
     Raises
     ------
     CertificateError
-        If it is refused.
+        If it is refused, or about a paper that is not there.
     InputError
         If the paper's tables cannot be read.
     """
-    from gainsay.tables import read_case
+    from gainsay.tables import paper_names, read_case
 
     certificate = read_certificate(path)
+    if certificate.paper not in paper_names(Path(root)):
+        raise CertificateError(f"{certificate.id}: about {certificate.paper!r}, which is no paper of this project")
     return check(certificate, read_case(Path(root), certificate.paper))

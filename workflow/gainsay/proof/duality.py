@@ -6,6 +6,7 @@ from typing import Any
 
 from flint import fmpq, fmpq_mpoly
 
+from gainsay.exact.budget import multiply_cost, spend
 from gainsay.exact.definite import positive_semidefinite
 from gainsay.exact.matrix import BALL, Matrix
 from gainsay.exact.rational import fraction_of
@@ -65,13 +66,15 @@ def weighted_sum(scope: Scope, elementwise: bool = False) -> tuple[Matrix, bool]
 
 
 def inner(left: Matrix, right: Matrix) -> Matrix:
-    """Sum of the products of entries."""
-    total = Matrix.number(0)
-    for weights, line in zip(left.rows(), right.rows(), strict=True):
-        for weight, entry in zip(weights, line, strict=True):
-            if weight != 0:
-                total = total + Matrix.number(entry).scaled(Matrix.number(weight))
-    return total
+    """Sum of the products of entries, of which the left ones are rational."""
+    pairs = [
+        (weight, entry)
+        for weights, line in zip(left.rows(), right.rows(), strict=True)
+        for weight, entry in zip(weights, line, strict=True)
+        if weight != 0 and entry != 0
+    ]
+    spend((5 * right.terms + 50 * len(pairs)) * multiply_cost(left.bits, right.bits), "a sum of products")
+    return Matrix.number(sum((entry * weight for weight, entry in pairs), fmpq(0)))
 
 
 def unknown_boxes(scope: Scope) -> dict[str, tuple[Fraction, Fraction]]:

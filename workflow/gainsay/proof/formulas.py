@@ -1,7 +1,7 @@
 """The formula language of certificates: a small, safe expression language over exact rationals, balls and polynomials.
 
-A formula is one Python expression, parsed by `ast` and never run as Python. Every literal is exact ("0.1" is 1/10).
-Numbers are matrices of shape (1, 1).
+A formula is one Python expression in ASCII, parsed by `ast` and never run as Python. Every literal is exact ("0.1" is
+1/10). Numbers are matrices of shape (1, 1). A name stands for one thing: constants and functions are never redefined.
 
 ==============================  =====================================================================
 ``A + B``, ``A - B``, ``-A``    entrywise, equal shapes
@@ -29,6 +29,8 @@ quadratic forms.
 """
 
 import ast
+import keyword
+import re
 from collections.abc import Callable, Mapping
 from math import isqrt
 from typing import Any, Protocol
@@ -37,11 +39,16 @@ from flint import arb, fmpq
 
 from gainsay.errors import CertificateError
 from gainsay.exact.ball import hull
+from gainsay.exact.budget import spend
 from gainsay.exact.matrix import Matrix, RingError, block, diagonal, eye, kron, zeros
 from gainsay.exact.rational import exact
 
-__all__ = ["Source", "constraint", "evaluate"]
+__all__ = ["Source", "check_name", "constraint", "evaluate", "names_in", "parameter_of"]
 
+# What an expression of the language is made of: no comments, escapes or characters that do not show.
+_ALLOWED = re.compile(r"[A-Za-z0-9_ \n+\-*/@.,:()\[\]'<>=]*", re.ASCII)
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}", re.ASCII)
+_CONSTANTS = ("pi",)
 _LONGEST = 20_000
 _LARGEST_SIZE = 400
 _LARGEST_POWER = 64
@@ -110,18 +117,60 @@ def constraint(text: str, names: Mapping[str, Matrix], source: Source) -> tuple[
     return difference, _RELATIONS[type(node.ops[0])]
 
 
+def names_in(text: str) -> set[str]:
+    """Names that a formula or a constraint uses, those of functions and constants left out."""
+    return {node.id for node in ast.walk(_parse(text)) if isinstance(node, ast.Name)} - {*_FUNCTIONS, *_CONSTANTS}
+
+
+def parameter_of(text: str, definitions: Mapping[str, str]) -> str | None:
+    """Name of the parameter that a formula is, directly or through definitions; None where it is anything else."""
+    for _ in range(len(definitions) + 1):
+        node = _parse(text)
+        if isinstance(node, ast.Name) and node.id in definitions:
+            text = definitions[node.id]
+            continue
+        match node:
+            case ast.Call(func=ast.Name(id="number"), args=[ast.Constant(value=str(name))], keywords=[]):
+                return name
+        return None
+    return None
+
+
 def _quote(text: str) -> str:
     line = " ".join(text.split())
     return repr(line if len(line) <= 80 else line[:77] + "...")
 
 
+def check_name(name: object) -> str:
+    """Return a name that a definition or an unknown may have.
+
+    Raises
+    ------
+    CertificateError
+        If it is no ASCII identifier (Python would fold others into each other), or stands for something else already.
+    """
+    if not isinstance(name, str) or not _NAME.fullmatch(name) or keyword.iskeyword(name):
+        raise CertificateError(f"{str(name)[:80]!r} is no name: expected ASCII letters, digits and underscores")
+    if name in _FUNCTIONS or name in _CONSTANTS:
+        raise CertificateError(f"the name {name!r} belongs to the formula language")
+    return name
+
+
 def _parse(text: str) -> ast.expr:
     if not isinstance(text, str) or len(text) > _LONGEST:
         raise CertificateError(f"a formula must be a text of at most {_LONGEST} characters")
+    if not _ALLOWED.fullmatch(text):
+        raise CertificateError(f"formula {_quote(text)}: a character that is not part of the formula language")
     try:
-        return ast.parse(f"({text}\n)", mode="eval").body
+        spend(50 * len(text), "a formula")
+        return ast.parse(_one_line(text), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise CertificateError(f"formula {_quote(text)}: not an expression") from error
+
+
+def _one_line(text: str) -> str:
+    """Text of a formula that is broken over lines, as one line."""
+    return text.replace("\n", " ").strip(" ")
 
 
 def _root(x: arb | fmpq) -> arb | fmpq:
@@ -139,7 +188,7 @@ def _root(x: arb | fmpq) -> arb | fmpq:
 class _Evaluator:
     def __init__(self, text: str, names: Mapping[str, Matrix], source: Source) -> None:
         self.text, self.names, self.source = text, names, source
-        self.written = f"({text}\n)"
+        self.written = _one_line(text)
 
     def fail(self, what: object) -> CertificateError:
         return CertificateError(f"formula {_quote(self.text)}: {what}".replace("\n", " "))
@@ -147,7 +196,7 @@ class _Evaluator:
     def run(self, node: ast.expr) -> Matrix:
         try:
             value = self.visit(node)
-        except (ValueError, ArithmeticError, RecursionError) as error:
+        except (ValueError, ArithmeticError, RecursionError, MemoryError) as error:
             if isinstance(error, CertificateError):
                 raise
             raise self.fail(error) from error
@@ -156,6 +205,7 @@ class _Evaluator:
         return value
 
     def visit(self, node: ast.AST) -> Any:
+        spend(200, "a formula")
         method: Callable[[Any], Any] | None = getattr(self, f"on_{type(node).__name__.lower()}", None)
         if method is None:
             raise self.fail(f"{type(node).__name__} is not part of the formula language")
@@ -180,7 +230,7 @@ class _Evaluator:
     def on_constant(self, node: ast.Constant) -> Matrix:
         if type(node.value) not in (int, float):
             raise self.fail(f"{node.value!r} where a number is expected")
-        literal = ast.get_source_segment(self.written, node) or ""
+        literal = self.written[node.col_offset : node.end_col_offset]
         try:
             return Matrix.number(exact(literal))
         except ValueError as error:

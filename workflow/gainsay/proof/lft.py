@@ -55,6 +55,8 @@ def read_lft(scope: Scope, size: int) -> Lft:
     blocks = scope.field("blocks")
     if not isinstance(blocks, list) or not blocks:
         raise scope.fail('field \'blocks\': expected ["repeated", q] or ["full", p, q] for each block')
+    if any(isinstance(x, bool) for entry in blocks if isinstance(entry, list) for x in entry):
+        raise scope.fail("field 'blocks': sizes are integers")
     for number, entry in enumerate(blocks, 1):
         match entry:
             case ["repeated", int(q)] if q > 0:

@@ -16,6 +16,8 @@ from gainsay.proof.certificate import Certificate
 __all__ = ["CaseTables", "MappingTables", "Reader", "Scope", "Tables", "adapted"]
 
 _CLAIM_COLUMNS = ("where", "kind", "statement", "comparator", "quantity", "published", "unit")
+#: entries of all unknowns of a certificate together
+MOST_ENTRIES = 10_000
 STRUCTURES = ("symmetric", "full", "diagonal", "skew")
 
 
@@ -100,11 +102,13 @@ class CaseTables:
         return self.case.printed(name)
 
     def design(self, name: str, entry: str) -> Any:
-        """Rows of a design's matrix."""
+        """Rows of a design's matrix; no file is read but that of a design which the paper declares."""
         from gainsay.tables.results import read_design
 
         if name in self.case.designs:
             return self.case.designs[name].exact(entry)
+        if name not in self.case.paper.designs:
+            raise KeyError(name)
         return read_design(self.case.root, self.case.name, name)[entry]
 
     def claim(self, name: str) -> dict[str, str]:
@@ -135,7 +139,7 @@ class Reader:
         except GainsayError as error:
             raise CertificateError(f"{self.owner}: {what} {name!r}: {error}") from error
         except (KeyError, LookupError, AttributeError, TypeError, ValueError, OSError) as error:
-            raise CertificateError(f"{self.owner}: the tables have no {what} {name!r} that can be read") from error
+            raise CertificateError(f"{self.owner}: the tables have no {what} {name[:80]!r} that can be read") from error
 
     def _record(self, group: str, name: str, value: Any) -> None:
         self.data.setdefault(group, {})[name] = value
@@ -207,6 +211,8 @@ class Scope:
         self.reader = Reader(tables, certificate.id)
         self.names: dict[str, Matrix] = {}
         self.context: Any = None
+        for name in certificate.unknowns:
+            self._check_name(name)
         for claim in certificate.claims:
             self.reader.claim(claim)
 
@@ -221,12 +227,32 @@ class Scope:
             raise self.fail(f"field {name!r} is missing")
         return value
 
+    def fields_fit(self, *groups: tuple[str | tuple[str, ...], ...]) -> None:
+        """Refuse fields of which a kind would use some and pass over others: each group is given whole or not at all.
+
+        A group whose last member is in brackets lists fields that may be left out: ``("H", "Cz", ("Dw",))``.
+        """
+        for group in groups:
+            needed = [name for name in group if isinstance(name, str)]
+            free = [name for part in group if not isinstance(part, str) for name in part]
+            given = [name for name in (*needed, *free) if name in self.certificate.fields]
+            missing = [name for name in needed if name not in self.certificate.fields]
+            if given and missing:
+                raise self.fail(f"field {given[0]!r} is given without {', '.join(map(repr, missing))}")
+
     def define(self) -> None:
         """Evaluate the definitions in order; unknowns must be bound before."""
         for name, text in self.certificate.definitions:
-            if not name.isidentifier() or name in self.names or name == "pi":
-                raise self.fail(f"definition {name!r}: not a name, or defined twice")
+            self._check_name(name)
+            if name in self.names or name in self.certificate.unknowns:
+                raise self.fail(f"the name {name!r} is defined twice")
             self.names[name] = self.evaluate(text)
+
+    def _check_name(self, name: str) -> None:
+        try:
+            formulas.check_name(name)
+        except CertificateError as error:
+            raise self.fail(error) from error
 
     def evaluate(self, text: str) -> Matrix:
         """Value of a formula."""
@@ -277,20 +303,24 @@ class Scope:
 
     def unknown_shapes(self) -> dict[str, tuple[tuple[int, int], str]]:
         """Shape and structure of each unknown, in the order of their names."""
-        result = {}
+        result: dict[str, tuple[tuple[int, int], str]] = {}
+        count = 0
         for name in sorted(self.certificate.unknowns):
             raw = self.certificate.unknowns[name]
+            if not isinstance(raw, Mapping) or not set(raw) <= {"shape", "structure"}:
+                raise self.fail(f"unknown {name!r}: expected a shape and a structure")
             shape, structure = raw.get("shape", [1, 1]), raw.get("structure", "full")
             sizes_fit = (
                 isinstance(shape, list | tuple) and len(shape) == 2 and all(type(k) is int and k > 0 for k in shape)
             )
-            if not name.isidentifier() or not sizes_fit or structure not in STRUCTURES:
-                raise self.fail(
-                    f"unknown {name!r}: expected a name, a shape [m, n] and a structure of {', '.join(STRUCTURES)}"
-                )
+            if not sizes_fit or structure not in STRUCTURES:
+                raise self.fail(f"unknown {name!r}: expected a shape [m, n] and a structure of {', '.join(STRUCTURES)}")
             if structure != "full" and shape[0] != shape[1]:
                 raise self.fail(f"unknown {name!r}: {structure} and not square")
             result[name] = ((shape[0], shape[1]), structure)
+            count += shape[0] * shape[1]
+            if count > MOST_ENTRIES:
+                raise self.fail(f"unknowns of more than {MOST_ENTRIES} entries")
         return result
 
     def bind_witness(self) -> None:

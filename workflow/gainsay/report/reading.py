@@ -139,6 +139,11 @@ def _table(found: PaperResults, name: str, columns: Sequence[str], lost: str) ->
     return [dict(zip(columns, cells, strict=True)) for _, cells in rows]
 
 
+def _concluded(conclusion: Mapping[str, str]) -> str:
+    about, value = conclusion["quantity"] or conclusion["of"], (conclusion["value"] or "").replace("..", " to ")
+    return f"{about} {_RELATIONS[conclusion['relation']]} {value}".strip()
+
+
 def _certificate(found: PaperResults, row: Row) -> CertificateFile:
     file = found.existing(f"certificates/{row['certificate']}.json")
     known = {"id": row["certificate"], "accepted": row["accepted"] == "1", "says": row["says"], "file": file}
@@ -149,10 +154,7 @@ def _certificate(found: PaperResults, row: Row) -> CertificateFile:
         return CertificateFile(
             **known,
             theorem=kinds.load(content["kind"]).THEOREM,
-            concludes=tuple(
-                f"{c['quantity']} {_RELATIONS[c['relation']]} {(c['value'] or '').replace('..', ' to ')}".strip()
-                for c in content["conclusions"]
-            ),
+            concludes=tuple(_concluded(conclusion) for conclusion in content["conclusions"]),
             faith=tuple(content["faith"]),
         )
     except (ValueError, KeyError, TypeError, AttributeError, GainsayError):

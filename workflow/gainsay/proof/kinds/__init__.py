@@ -6,6 +6,7 @@ A module of this package is a kind under its own name. It defines
 - ``REQUIRED``, ``OPTIONAL``: names of the certificate's fields;
 - ``LEVELS``: those of them whose number is the level that is proved, so that a conclusion carries it ("inputs.bound":
   of each entry of a list); ``FOUND``: those that are free to be found as a witness is;
+- ``FAITH`` (may be left out): what the theorem's use takes on faith, one sentence each;
 - ``prove(scope) -> list[Proved]``: checks the witness and says what follows; raises `CertificateError` otherwise.
 """
 

@@ -32,6 +32,7 @@ from itertools import pairwise
 
 from flint import acb, acb_mat, arb, fmpq
 
+from gainsay.exact.budget import spend
 from gainsay.exact.definite import cholesky_factor, hermitian_positive_definite
 from gainsay.exact.matrix import Matrix, block, diagonal, eye, zeros
 from gainsay.exact.rational import to_fmpq, to_text
@@ -73,15 +74,37 @@ class _Plant:
         return u, angle.cos(), (self.radius * half).upper(), move.upper()
 
 
+def adjoint(matrix: acb_mat) -> acb_mat:
+    """Conjugate transpose."""
+    return matrix.conjugate().transpose()
+
+
+def largest(*grams: acb_mat) -> arb:
+    """Upper bound on the largest eigenvalue of a product of one or two positive semidefinite Hermitian matrices.
+
+    The eigenvalues of such a product are real and not negative, so the largest is at most the fourth root of the sum
+    of their fourth powers, the trace of the fourth power.
+    """
+    product = grams[0] if len(grams) == 1 else grams[0] * grams[1]
+    square = product * product
+    rows, columns = square.entries(), square.transpose().entries()
+    count = len(rows)
+    trace = (acb_mat(1, count, rows) * acb_mat(count, 1, columns))[0, 0].real
+    return trace.upper().max(arb(0)).root(4).upper()
+
+
 def norm(matrix: acb_mat) -> arb:
-    """Frobenius norm, from above."""
-    return sum((abs(x) ** 2 for row in matrix.tolist() for x in row), arb(0)).sqrt().upper()
+    """Upper bound on the largest singular value."""
+    tall = matrix.nrows() >= matrix.ncols()
+    return largest(adjoint(matrix) * matrix if tall else matrix * adjoint(matrix)).sqrt().upper()
 
 
 def _sizes(scope: Scope) -> list[tuple[int, int, bool]]:
     """Rows in w, rows in z, and whether g may differ from zero, of each block."""
     result = []
     for entry in scope.field("blocks"):
+        if isinstance(entry, list) and any(isinstance(x, bool) for x in entry):
+            raise scope.fail("field 'blocks': sizes are integers")
         match entry:
             case ["repeated", int(q)] if q > 0:
                 result.append((q, q, True))
@@ -150,26 +173,28 @@ class _Arc:
         return self.settled(low, middle, depth + 1) and self.settled(middle, high, depth + 1)
 
     def _whole(self, low: Fraction, high: Fraction) -> bool:
+        spend(25 * (self.plant.a.nrows() + self.form_unit.nrows()) ** 3, "a piece of an arc")
         u, v, turn, move = self.plant.near(low, high)
         try:
             inverse = (self.unit * u - self.plant.a * v).inv()
         except ZeroDivisionError:
             return False
         left, right = self.outputs * inverse, inverse * self.inputs
-        rest = 1 - norm(inverse) * move
+        of_left, of_right = adjoint(left) * left, right * adjoint(right)
+        size_inverse = norm(inverse)
+        rest = 1 - size_inverse * move
         if not rest > 0:
             return False
-        change = turn * (norm(left * right) + norm(left) * move * norm(inverse) * norm(right) / rest)
+        both = largest(of_left, of_right).sqrt()
+        ends = largest(of_left).sqrt() * largest(of_right).sqrt()
+        change = turn * (both + ends * move * size_inverse / rest)
         n = left * self.inputs * v + self.through
-        adjoint = n.conjugate().transpose()
-        form = self.form_unit - adjoint * n
-        size = norm(n)
+        form = self.form_unit - adjoint(n) * n
+        size = arb(1)  # without G the form at the middle must be positive, so |N| < 1
         if self.skew is not None:
             turned = self.skew * n
-            form = form - (turned - turned.conjugate().transpose()) * acb(0, 1)
-            size = size + self.steepness
-        else:
-            size = size.min(arb(1))  # the form at the middle must be positive, so |N| < 1
+            form = form - (turned - adjoint(turned)) * acb(0, 1)
+            size = norm(n) + self.steepness
         loss = (2 * size * change + change * change).upper()
         return hermitian_positive_definite(form - self.form_unit * loss)
 
@@ -185,8 +210,11 @@ def _plant(p: Matrix, system: tuple[Matrix, ...], centre: arb, radius: arb, disk
 
 def prove(scope: Scope) -> list[Proved]:
     """Prove the region, and the norm where one is asked for."""
-    scope.define()
     fields = scope.certificate.fields
+    scope.fields_fit(("shift", "radius"), ("alpha", "scale"), ("gamma", "B", "C", ("D", "Dd", "Ew")))
+    if ("radius" in fields) == ("alpha" in fields):
+        raise scope.fail("expected a disk (shift and radius) or a half plane (alpha and scale)")
+    scope.define()
     a, h, cz = (scope.evaluate(scope.field(name)) for name in ("A", "H", "Cz"))
     n = a.shape[0]
     sizes = _sizes(scope)

@@ -63,6 +63,9 @@ def prove(scope: Scope) -> list[Proved]:
         raise scope.fail(f"matrix of shape {a.shape}: eigenvalues need a square one")
     roots = eigenvalues(a.to_ball().data)
     measure = scope.field("measure")
+    for name, measures in (("shift", ("radius",)), ("points", ("nearest", "matching"))):
+        if name in scope.certificate.fields and measure not in measures:
+            raise scope.fail(f"field {name!r} has no meaning for the measure {measure!r}")
     if measure == "abscissa":
         low, high = max(lower(s.real) for s in roots), max(upper(s.real) for s in roots)
     elif measure == "radius":

@@ -5,17 +5,25 @@ every part is proved, all over the same definitions, then all that the parts pro
 level at which it holds is at least this one. (Where the uncertainty is scaled by the level, every smaller variation is
 among those covered, so that no lower level has to be proved.)
 
+What is required is the paper's: the radius and shift of a disk, the level of a norm, the bound on an input or a cost of
+a part must each be an entry of the parameter table, as ``number('gamma')`` or a definition that is one. A level at
+which weaker requirements hold would be no level of the paper's. Every part must depend on the level.
+
 Fields: ``level``, the name of a definition that is a rational number; ``parts``, a list of {"name", "kind", "fields"},
 the fields as that kind demands. Witness: for each part what its kind demands, named ``part.name``, as in ``disk.P``.
 Proved: ``level`` at_least its value, and all that the parts prove, named ``part.of``, as in ``disk.radius``.
 """
 
+from types import ModuleType
+
+from gainsay.errors import CertificateError
 from gainsay.exact.rational import to_text
-from gainsay.proof import kinds
+from gainsay.proof import formulas, kinds
 from gainsay.proof.kinds import Proved
 from gainsay.proof.scope import Scope
 
 THEOREM = "every requirement proved at the level by a kind of its own"
+FAITH = ("That the uncertainty at every smaller level is among that at the level.",)
 REQUIRED = ("level", "parts")
 OPTIONAL = ()
 LEVELS = ()
@@ -34,8 +42,10 @@ def _parts(scope: Scope) -> list[tuple[str, str, dict]]:
             case _:
                 raise scope.fail(f"part {entry!r}: expected name, kind and fields")
     names = [name for name, _, _ in result]
-    if len(set(names)) < len(names) or not all(name.isidentifier() for name in names):
+    if len(set(names)) < len(names):
         raise scope.fail("field 'parts': expected a different name for each part")
+    for name in names:
+        formulas.check_name(name)
     for name in scope.certificate.witness:
         if name.partition(".")[0] not in names:
             raise scope.fail(f"witness {name!r} belongs to no part")
@@ -53,6 +63,7 @@ def _part(scope: Scope, name: str, kind: str, fields: dict) -> list[Proved]:
     for field in fields:
         if field not in (*module.REQUIRED, *module.OPTIONAL):
             raise scope.fail(f"part {name!r}: unknown field {field!r} of kind {kind}")
+    _requirement(scope, name, module, fields)
     whole = scope.certificate
     own = {key.partition(".")[2]: rows for key, rows in whole.witness.items() if key.partition(".")[0] == name}
     part = whole.changed(id=f"{whole.id}, {name}", kind=kind, fields=fields, witness=own, claims=())
@@ -60,6 +71,38 @@ def _part(scope: Scope, name: str, kind: str, fields: dict) -> list[Proved]:
     # what the part's formulas read is data of the whole
     inner.reader = scope.reader
     return module.prove(inner)
+
+
+def _names(value: object) -> set[str]:
+    """Names that the formulas within a field use, at any depth."""
+    if isinstance(value, str):
+        try:
+            return formulas.names_in(value)
+        except CertificateError:  # a label
+            return set()
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return set().union(*map(_names, inner))
+
+
+def _requirement(scope: Scope, part: str, module: ModuleType, fields: dict) -> None:
+    """Refuse a part that asks for something else than the tables say, or that does not depend on the level."""
+    definitions = dict(scope.certificate.definitions)
+    for name in (*module.LEVELS, "shift"):
+        head, _, tail = name.partition(".")
+        given = fields.get(head, [])
+        for text in [entry[tail] for entry in given] if tail else [given] if given else []:
+            half_plane = name == "alpha" and text == "0"
+            if not half_plane and formulas.parameter_of(text, definitions) is None:
+                raise scope.fail(
+                    f"part {part!r}: {head} is {text!r}, expected an entry of the parameter table, number('...'): "
+                    "a level means something for the paper's own requirements alone"
+                )
+    used, new = set(), _names(fields)
+    while new:
+        used |= new
+        new = set().union(*(_names(definitions[name]) for name in new if name in definitions)) - used
+    if scope.field("level") not in used:
+        raise scope.fail(f"part {part!r} does not depend on the level {scope.field('level')!r}")
 
 
 def prove(scope: Scope) -> list[Proved]:

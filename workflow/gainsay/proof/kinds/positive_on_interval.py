@@ -12,6 +12,7 @@ from itertools import pairwise
 
 from flint import fmpq, fmpq_mat, fmpq_poly
 
+from gainsay.exact.budget import multiply_cost, spend
 from gainsay.exact.definite import positive_definite
 from gainsay.exact.matrix import POLYNOMIAL, Matrix
 from gainsay.exact.rational import to_fmpq
@@ -42,7 +43,12 @@ def value_at(parts: list[fmpq_mat], point: fmpq) -> fmpq_mat:
 
 def determinant(parts: list[fmpq_mat]) -> fmpq_poly:
     """Determinant of a matrix polynomial, by Newton's interpolation at the integers."""
-    count = parts[0].nrows() * (len(parts) - 1) + 1
+    size = parts[0].nrows()
+    count = size * (len(parts) - 1) + 1
+    bits = max(x.height_bits() for part in parts for x in part.entries()) + len(parts) * count.bit_length()
+    spend(count * size**3 * multiply_cost(size * bits, bits), "determinants")
+    # the members of Sturm's chain have coefficients of about degree times as many bits
+    spend(count**3 * multiply_cost(count * size * bits, size * bits), "a determinant as a polynomial and Sturm's chain")
     differences = [value_at(parts, fmpq(k)).det() for k in range(count)]
     for level in range(1, count):
         for k in range(count - 1, level - 1, -1):

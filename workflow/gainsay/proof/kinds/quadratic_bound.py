@@ -46,6 +46,7 @@ def derivative(scope: Scope, a: Matrix, p: Matrix, q: Matrix) -> tuple[Matrix, b
 
 def prove(scope: Scope) -> list[Proved]:
     """Prove stability, the cost and the input bounds."""
+    scope.fields_fit(("H", "Cz", "blocks", ("Dw",)), ("x0", ("cost", "inputs")))
     scope.define()
     fields = scope.certificate.fields
     a = scope.evaluate(scope.field("A"))
@@ -71,6 +72,8 @@ def prove(scope: Scope) -> list[Proved]:
         if start > cost:
             raise scope.fail(f"x(0)' P x(0) <= {to_text(cost)} is not proved")
         result.append(Proved("cost", "at_most", to_text(cost)))
+    if not isinstance(fields.get("inputs", []), list):
+        raise scope.fail("field 'inputs': expected a list")
     for entry in fields.get("inputs", []):
         if not isinstance(entry, dict) or set(entry) != {"of", "row", "bound"}:
             raise scope.fail("field 'inputs': expected of, row and bound for each")

@@ -26,6 +26,9 @@ FOUND = ()
 
 def prove(scope: Scope) -> list[Proved]:
     """Prove that some eigenvalue lies outside the region."""
+    scope.fields_fit(("shift", "radius"))
+    if ("alpha" in scope.certificate.fields) == ("radius" in scope.certificate.fields):
+        raise scope.fail("expected a line (alpha) or a disk (shift and radius)")
     scope.define()
     a = scope.evaluate(scope.field("matrix"))
     size = a.shape[0]
