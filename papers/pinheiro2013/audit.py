@@ -167,7 +167,7 @@ def robustness(case, results):
         for level, parameter in LEVELS.items():
             design = f"{name}_{formulas.GAMMAS[level]}"
             for group in SEPARATE:
-                K = results.read_design(design)[f"K_{group}"]
+                K = case.designs[design][f"K_{group}"]
                 worst = max(
                     spectral_abscissa(A - B @ K)
                     for A, B in (linear_model(satellite.changed(corner), group) for corner in corners)

@@ -40,6 +40,28 @@ def best(plant: GeneralizedPlant, gamma: float) -> Infimum:
     return found
 
 
+#: relative slope at which a gain counts as stationary: the digits of a committed design, times a condition of 1e4
+STATIONARY = 1e-8
+
+
+def trace_within(plant: GeneralizedPlant, gamma: float, K: np.ndarray, found: Infimum) -> float:
+    """Root of the trace of Q that a gain gives by its Riccati equation; it must be least.
+
+    Raises
+    ------
+    ComputationError
+        If the trace lies outside the enclosure by the LMI widened by `AGREE`, or is not stationary.
+    """
+    trace = mixed.trace_of_gain(plant, K, gamma)
+    slope = np.abs(mixed.trace_gradient(plant, K, gamma) * np.abs(K)).max() / trace if np.isfinite(trace) else np.inf
+    if not found.lower * (1 - AGREE) <= trace <= found.upper * (1 + AGREE) or not slope < STATIONARY:
+        raise ComputationError(
+            "(21)", f"the design has the trace {trace!r} with a relative slope of {slope:.1e}, the LMI encloses "
+            f"{found.lower!r}..{found.upper!r}: search it again"
+        )  # fmt: skip
+    return float(np.sqrt(trace))
+
+
 def gain_of(found: Infimum, plant: GeneralizedPlant, gamma: float) -> np.ndarray:
     """Gain (22) of the optimum, held against the least trace that its Riccati equation gives for it alone.
 
@@ -97,14 +119,14 @@ def limits(case, results):
     """Solve (21) at 1.001 of the infimum, where the gains forget the weights."""
     for name, group, plant in plants(case):
         gamma = mixed.ABOVE * mixed.gamma_min(plant)
-        K = gain_of(best(plant, gamma), plant, gamma)
+        K = case.designs[f"{name}_near_limit"][f"K_{group}"]
+        trace_within(plant, gamma, K, best(plant, gamma))
         satellite = reconstruction(case, name)
-        K, _ = mixed.mixed_by_descent(plant, gamma, K)
         if group == "pitch":
             first, second, moment, prefix = K[0, 0], K[0, 1], satellite.moment("y"), f"{name}.limit"
         else:
             first, second, moment, prefix = K[1, 1], K[1, 3], satellite.moment("z"), f"{name}.limit.yaw"
-        method = "least trace of Q, enclosed by the LMI and checked by the Riccati equation of the gain"
+        method = "gain of the design, whose trace by the Riccati equation lies in the enclosure by the LMI"
         results.quantity(f"{prefix}.k1_over_inertia", first / moment, method=method, source="(21), (22)")
         results.quantity(f"{prefix}.k2_over_inertia", second / moment, method=method, source="(21), (22)")
 
@@ -130,39 +152,31 @@ def check_levels(case) -> None:
 
 @task("(21), (22)")
 def designs(case, results):
-    """Solve (21) with the sign corrected at the three levels and write the designs that are simulated."""
+    """Hold the designs at the three levels against (21) with the sign corrected, and measure them."""
     check_levels(case)
     for name in RECONSTRUCTIONS:
-        satellite = reconstruction(case, name)
         for level, parameter in LEVELS.items():
-            gamma, gains = case.number(parameter), {}
+            design = case.designs[f"{name}_{formulas.GAMMAS[level]}"]
+            gamma, K = case.number(parameter), np.zeros((3, 6))
             for group in SEPARATE:
-                plant = generalized_plant(satellite, group)
-                gains[group] = _design(results, name, level, group, plant, gamma)
-            K = np.zeros((3, 6))
-            K[np.ix_([1], [1, 4])] = gains["pitch"]
-            K[np.ix_([0, 2], [0, 2, 3, 5])] = gains["roll_yaw"]
-            results.design(
-                f"{name}_{formulas.GAMMAS[level]}", K=K, K_pitch=gains["pitch"], K_roll_yaw=gains["roll_yaw"],
-                note=f"(21) with the sign corrected at gamma = {gamma:g}, reconstruction {name.upper()}",
-            )  # fmt: skip
-            results.say(f"(21) {name} gamma = {gamma:g}", f"pitch K = {_short(gains['pitch'])}")
+                plant = generalized_plant(reconstruction(case, name), group)
+                _design(results, name, level, group, plant, gamma, design[f"K_{group}"])
+            K[np.ix_([1], [1, 4])] = design["K_pitch"]
+            K[np.ix_([0, 2], [0, 2, 3, 5])] = design["K_roll_yaw"]
+            if not np.array_equal(K, design["K"]):
+                raise ComputationError("(22)", f"designs/{design.name}.json: K is not made of K_pitch and K_roll_yaw")
+            results.say(f"(21) {name} gamma = {gamma:g}", f"pitch K = {_short(design['K_pitch'])}")
 
 
 def _short(K: np.ndarray) -> str:
     return "[" + ", ".join(f"{x:.4g}" for x in K.ravel()) + "]"
 
 
-def _design(results, name, level, group, plant, gamma) -> np.ndarray:
+def _design(results, name, level, group, plant, gamma, K) -> None:
     found = best(plant, gamma)
-    K = gain_of(found, plant, gamma)
-    sqrt_trace, lower, upper = np.sqrt([found.value, found.lower, found.upper])
+    sqrt_trace = trace_within(plant, gamma, K, found)
+    lower, upper = np.sqrt([found.lower, found.upper])
     method = "stationary point of the Riccati equation's trace over the gains; band: LMI between checked points"
-    polished, other = mixed.mixed_by_descent(plant, gamma, K)
-    apart = np.abs(polished - K).max() / np.abs(K).max()
-    if abs(other / sqrt_trace - 1) > AGREE or apart > 1e-4:
-        raise ComputationError("(21)", f"descent over the gains finds {other!r}, {polished.tolist()}")
-    K, sqrt_trace = polished, other
     if group == "pitch":
         for k in (1, 2):
             results.quantity(
@@ -183,7 +197,6 @@ def _design(results, name, level, group, plant, gamma) -> np.ndarray:
             f"{name}.{level}.h2_excess.{group}", excess, method="against the Riccati solution", source="Section 5"
         )
     results.attempt(f"(21) {name} {level} {group}", list(found.attempts))
-    return K
 
 
 @task("(21) as printed")
@@ -258,7 +271,7 @@ def bounds(case, results):
     for name, group, plant in plants(case):
         for level, parameter in LEVELS.items():
             short = formulas.GAMMAS[level]
-            K = results.read_design(f"{name}_{short}")[f"K_{group}"]
+            K = case.designs[f"{name}_{short}"][f"K_{group}"]
             A, B, C, D, _ = plant.closed(K)
             gamma = case.number(parameter)
             results.certificate(build.certificate(
@@ -295,8 +308,7 @@ def gamma_min_certified(case, results):
     ))  # fmt: skip
     results.quantity("b.below_gamma_min.feasible", 0, method="Farkas certificate", source="(21)")
     for name, group, plant in plants(case):
-        K = mixed.limit_gain(plant)
-        results.design(f"{name}_limit_{group}", K=K, note="closed-form gain that reaches the infimum of the level")
+        K = case.designs[f"{name}_limit_{group}"]["K"]
         least = "sqrt(channels@channels.T)" if group == "pitch" else _largest_row()
         definitions = {**formulas.PLANTS[group](name), "least": least}
         results.certificate(build.certificate(

@@ -82,17 +82,21 @@ def guaranteed_cost(problem: Problem, weight: float) -> Solved:
     return needed(solve(program), program.label)
 
 
+def thrust_share(problem: Problem, K: np.ndarray) -> float:
+    """Return the largest thrust at the start over its limit of (5), the estimate at the measured position."""
+    start = problem.x0 - problem.xi0[6:]
+    return float(np.max(np.abs(K @ start).ravel() / problem.limits))
+
+
 def repaired_weight(problem: Problem) -> float:
     """Return the least input weight whose thrust at the start keeps within `USED` of every limit of (5).
 
     (31) bounds the thrust over a whole level set of V, which costs the printed design more than half of its speed. A
     heavier input weight reaches the same limits with less; that the start is the worst is certified afterwards.
     """
-    start = problem.x0 - problem.xi0[6:]
 
     def excess(logarithm: float) -> float:
-        K = gain(guaranteed_cost(problem, float(np.exp(logarithm))))
-        return float(np.max(np.abs(K @ start).ravel() / problem.limits) - USED)
+        return thrust_share(problem, gain(guaranteed_cost(problem, float(np.exp(logarithm))))) - USED
 
     return float(np.exp(brentq(excess, np.log(1e3), np.log(1e5), xtol=1e-5)))
 

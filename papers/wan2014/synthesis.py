@@ -137,18 +137,22 @@ def subproblem(case: Case, results: Results) -> None:
             **ends,
         )
     K = np.linalg.solve(found["rho"].values["X"], found["rho"].values["Y"].T).T
-    for name, (i, j) in {"k11": (0, 0), "k12": (0, 1), "k14": (0, 3), "k15": (0, 4), "k25": (1, 4)}.items():
-        results.quantity(
-            f"subproblem.{name}",
-            K[i, j],
-            method="K = Y X^-1 at the optimum without margin; 1e-6 relative, judged by scalings and margins",
-            source="(44)",
-        )
-    results.design("resynthesised", note=f"K of {SUBPROBLEM}, L as printed", K=K, L=problem.L)
     rho = found["rho"].value
     optimum = {name: np.asarray(found["rho"].values[name]) / rho for name in ("X", "Y")}
     optimum["eps"] = found["rho"].values["eps"] / rho
     spread = digits.spreads(problem, optimum, rho)
+    design = case.designs["resynthesised"]["K"]
+    if not ((spread["K"].low <= design) & (design <= spread["K"].high)).all():
+        raise ComputationError(SUBPROBLEM, "designs/resynthesised.json is no near-optimal gain: search it again")
+    for name, (i, j) in {"k11": (0, 0), "k12": (0, 1), "k14": (0, 3), "k15": (0, 4), "k25": (1, 4)}.items():
+        results.quantity(
+            f"subproblem.{name}",
+            K[i, j],
+            method="K = Y X^-1 at the optimum without margin; enclosed by its range at 1.001 of the optimum",
+            source="(44)",
+            lower=spread["K"].low[i, j],
+            upper=spread["K"].high[i, j],
+        )
     for name, value in (("X", optimum["X"]), ("Y", optimum["Y"]), ("K", K)):
         s = spread[name]
         results.gains(
@@ -250,17 +254,17 @@ def _width(found: Infimum) -> str:
 @task("repaired design")
 def repaired(case: Case, results: Results) -> None:
     """Design a controller for the same limits and certify it as the printed one is certified."""
-    problem = Problem(case)
-    weight = repair.repaired_weight(problem)
-    K = repair.gain(repair.guaranteed_cost(problem, weight))
+    problem, design = Problem(case), case.designs["repaired"]
+    K, weight = design["K"], float(design["weight"][0, 0])
+    share = repair.thrust_share(problem, K)
+    if abs(share - repair.USED) > 1e-6:
+        raise ComputationError("repaired design", f"uses {share} of the limits at the start: search it again")
     results.quantity(
         "repaired.weight",
         weight,
-        method=f"least input weight whose thrust at the start is within {repair.USED} of the limits of (5)",
+        method=f"input weight of the design, whose thrust at the start is within {repair.USED} of the limits of (5)",
         source="(5), (14)",
     )
-    note = f"guaranteed-cost LMI, input weight {weight:.6g}, certified with a 12x12 Lyapunov matrix; L as printed"
-    results.design("repaired", note=note, K=K, L=problem.L)
     bounds = _certified(case, results, "repaired", "design('repaired', 'K')", K)
     if not (bounds.peaks <= problem.limits).all():
         raise ComputationError("repaired design", f"certified thrust {bounds.peaks} N exceeds the limits")
@@ -287,9 +291,10 @@ def corrected_theorem(case: Case, results: Results) -> None:
 @task("LQR")
 def linear_quadratic(case: Case, results: Results) -> None:
     """Compare with an LQR that uses the full thrust limit along x."""
-    problem = Problem(case)
-    weight = repair.lqr_weight(problem)
-    K = repair.lqr(problem, weight)
+    problem, design = Problem(case), case.designs["lqr"]
+    K, weight = design["K"], float(design["weight"][0, 0])
+    if np.abs(K - repair.lqr(problem, weight)).max() > 1e-8 * np.abs(K).max():
+        raise ComputationError("LQR", "designs/lqr.json is not the regulator of its weight: search it again")
     if spectral_abscissa(problem.model.A - problem.model.B @ K) >= 0:
         raise ComputationError("LQR", "the gain does not stabilise")
     results.quantity(
@@ -297,7 +302,6 @@ def linear_quadratic(case: Case, results: Results) -> None:
     )
     cost = plant.closed_loop_cost(case, K, problem.L)
     results.quantity("lqr.cost", cost, method="DOP853, two-body plant, 20 000 s", source="(4), Section 4")
-    results.design("lqr", note=f"linear-quadratic regulator, R = {weight:.6g} I, L as printed", K=K, L=problem.L)
     results.say("LQR", f"r = {weight:.4f}, J = {cost:.6e}")
 
 
