@@ -81,6 +81,7 @@ versions: $(READY)
 	done
 
 nightly: $(READY) kernels versions
+	@GAINSAY_CHANGES=5000 $(RUN) pytest -n 2 -m slow tests/known/test_proof_changes.py
 
 clean:
 	@rm -rf results/*/ results/index.html results/verdicts.csv results/differences.csv results/.checked

@@ -86,6 +86,8 @@ def test_parts_that_are_not_what_they_should_be_are_refused():
     assert "different name" in refused(parts=(DISK, {**NORM, "name": "disk"}))
     assert "expected one of" in refused(parts=(DISK, {**NORM, "kind": "nothing"}))
     assert "may not be of kind" in refused(parts=({**DISK, "kind": "level"}, NORM))
+    trivial = {"name": "disk", "kind": "definite", "fields": {"constraint": "level > 0"}}
+    assert "no level to meet" in refused(parts=(trivial, NORM))
     assert "belongs to no part" in refused(parts=(DISK,))
     assert "missing" in refused(witness={k: v for k, v in WITNESS.items() if k != "norm.P"})
     assert "unknown field" in refused(parts=(DISK, {**NORM, "fields": {**NORM["fields"], "extra": "1"}}))

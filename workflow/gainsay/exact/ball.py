@@ -110,7 +110,7 @@ def eigenvalues(matrix: arb_mat) -> list:
     """
     if not all(x.is_finite() for x in matrix.entries()):
         raise ArithmeticError("eigenvalues of a matrix that is not finite")
-    spend(3000 * matrix.nrows() ** 3, "eigenvalues")
+    spend(500 * matrix.nrows() ** 3 * (1 + ctx.prec / 64), "eigenvalues")
     try:
         found = acb_mat(matrix).eig()
     except (ValueError, ArithmeticError) as error:

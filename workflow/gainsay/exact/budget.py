@@ -9,7 +9,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-__all__ = ["LARGEST_SIDE", "MOST_BITS", "MOST_DEGREE", "MOST_TERMS", "BudgetError", "budget", "multiply_cost", "spend"]
+__all__ = [
+    "LARGEST_SIDE",
+    "MOST_BITS",
+    "MOST_DEGREE",
+    "MOST_TERMS",
+    "MOST_WORDS",
+    "BudgetError",
+    "budget",
+    "multiply_cost",
+    "spend",
+]
 
 #: largest number of rows or columns of a matrix
 LARGEST_SIDE = 1000
@@ -17,8 +27,8 @@ LARGEST_SIDE = 1000
 MOST_BITS = 50_000
 #: total degree of a polynomial
 MOST_DEGREE = 400
-#: terms of all polynomials of a matrix together
-MOST_TERMS = 300_000
+#: terms of all polynomials of a matrix together, and machine words that their exponents may fill
+MOST_TERMS, MOST_WORDS = 300_000, 50_000_000
 
 _LIMB = 64
 _left: ContextVar[list[float] | None] = ContextVar("work left", default=None)

@@ -11,7 +11,16 @@ from typing import Any
 
 from flint import arb, arb_mat, ctx, fmpq, fmpq_mat, fmpq_mpoly, fmpz
 
-from gainsay.exact.budget import LARGEST_SIDE, MOST_BITS, MOST_DEGREE, MOST_TERMS, BudgetError, multiply_cost, spend
+from gainsay.exact.budget import (
+    LARGEST_SIDE,
+    MOST_BITS,
+    MOST_DEGREE,
+    MOST_TERMS,
+    MOST_WORDS,
+    BudgetError,
+    multiply_cost,
+    spend,
+)
 from gainsay.exact.rational import rational_matrix, to_fmpq
 
 __all__ = ["Matrix", "RingError", "block", "diagonal", "eye", "kron", "zeros"]
@@ -58,7 +67,7 @@ class Matrix:
         """Largest bits of an entry or coefficient (0 for balls), and number of terms; refused where too large."""
         _fits(self.shape)
         count = self.shape[0] * self.shape[1]
-        spend(500 + 50 * count, f"a matrix of shape {self.shape}")
+        spend(1000 + 50 * count, f"a matrix of shape {self.shape}")
         if self.ring == BALL:
             return 0, count
         if self.ring == RATIONAL:
@@ -172,6 +181,7 @@ class Matrix:
             if BALL in (self.ring, factor.ring):
                 raise RingError("balls and indeterminates do not mix: an identity or a Farkas proof needs rationals")
             number = factor.entry(0, 0)
+            _room(self.terms * factor.terms, self if self.ring == POLYNOMIAL else factor)
             if self.ring == POLYNOMIAL:
                 return Matrix([[x * number for x in row] for row in self.data])
             return Matrix([[number * x for x in row] for row in self.data.tolist()])
@@ -198,7 +208,8 @@ class Matrix:
         zero = context.constant(0)
         left = [[(k, x) for k, x in enumerate(row) if x != 0] for row in self.rows()]
         right = other.rows()
-        words = 2 + len(context.names()) / 8
+        words = _words(context)
+        made = 0
         coefficient = multiply_cost(self.bits, other.bits)
         result = []
         for row in left:
@@ -208,9 +219,11 @@ class Matrix:
                     if y != 0:
                         pairs = _count(x) * _count(y)
                         spend(200 + pairs * coefficient * 3 + len(line[j]) * words, "a product of polynomials")
-                        if pairs > MOST_TERMS * 100:
-                            raise BudgetError(f"a product of {pairs} pairs of terms: at most {MOST_TERMS * 100}")
+                        if (made + pairs) * words > MOST_WORDS:
+                            raise BudgetError("a product of polynomials that would fill the memory")
+                        made -= len(line[j])
                         line[j] = line[j] + x * y
+                        made += len(line[j])
             result.append(line)
         return Matrix(result)
 
@@ -299,6 +312,16 @@ class Matrix:
 def _fits(shape: tuple[int, int]) -> None:
     if max(shape) > LARGEST_SIDE:
         raise BudgetError(f"a matrix of shape {shape}: the largest side is {LARGEST_SIDE}")
+
+
+def _words(context: Any) -> float:
+    """Machine words of the exponents of a term."""
+    return 2 + len(context.names()) / 8
+
+
+def _room(pairs: int, polynomial: Matrix) -> None:
+    if pairs * _words(polynomial.entry(0, 0).context()) > MOST_WORDS:
+        raise BudgetError("a product of polynomials that would fill the memory")
 
 
 def _count(entry: Any) -> int:

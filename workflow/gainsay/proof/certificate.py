@@ -55,10 +55,11 @@ _KEYS = (
 )
 
 # What no check covers, in any certificate.
+SENTENCE_ON_FAITH = "That its sentence says what its conclusions say."
 ON_FAITH = (
     "That the formulas of this certificate are those of the paper.",
     "That the quantities it concludes on are what its formulas describe.",
-    "That its sentence says what its conclusions say.",
+    SENTENCE_ON_FAITH,
 )
 
 _PAPER = re.compile(r"[a-z][a-z0-9_]{0,63}", re.ASCII)

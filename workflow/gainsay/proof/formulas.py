@@ -205,7 +205,7 @@ class _Evaluator:
         return value
 
     def visit(self, node: ast.AST) -> Any:
-        spend(200, "a formula")
+        spend(1000, "a formula")
         method: Callable[[Any], Any] | None = getattr(self, f"on_{type(node).__name__.lower()}", None)
         if method is None:
             raise self.fail(f"{type(node).__name__} is not part of the formula language")

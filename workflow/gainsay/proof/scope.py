@@ -17,7 +17,7 @@ __all__ = ["CaseTables", "MappingTables", "Reader", "Scope", "Tables", "adapted"
 
 _CLAIM_COLUMNS = ("where", "kind", "statement", "comparator", "quantity", "published", "unit")
 #: entries of all unknowns of a certificate together
-MOST_ENTRIES = 10_000
+MOST_ENTRIES = 4_000
 STRUCTURES = ("symmetric", "full", "diagonal", "skew")
 
 

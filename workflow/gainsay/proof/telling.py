@@ -3,8 +3,9 @@
 import unicodedata
 from collections.abc import Iterator
 
-from gainsay.proof.certificate import Conclusion
+from gainsay.proof.certificate import SENTENCE_ON_FAITH, Conclusion
 from gainsay.proof.checker import Proof
+from gainsay.proof.kinds import Proved
 
 __all__ = ["concluded", "lines", "one_line"]
 
@@ -27,20 +28,27 @@ def one_line(text: str) -> str:
     return shown if len(shown) <= _LONGEST else shown[: _LONGEST - 3] + "..."
 
 
+def _says(found: Conclusion | Proved) -> str:
+    value = (found.value or "").replace("..", " to ")
+    return f"{_WORDS.get(found.relation, found.relation)} {value}".strip()
+
+
 def concluded(conclusion: Conclusion, proof: Proof) -> str:
     """Sentence of a conclusion: ``eq14.feasible: fails, by Farkas' lemma``."""
     about = conclusion.quantity or f"{proof.id}, {conclusion.of}"
-    relation = _WORDS.get(conclusion.relation, conclusion.relation)
-    value = (conclusion.value or "").replace("..", " to ")
-    return f"{about}: {f'{relation} {value}'.strip()}, by {proof.theorem}"
+    return f"{about}: {_says(conclusion)}, by {proof.theorem}"
 
 
 def lines(proof: Proof) -> Iterator[str]:
     """Lines about an accepted certificate, without a sentence that was not checked but for those on faith."""
     for conclusion in proof.conclusions:
         yield f"concluded: {concluded(conclusion, proof)}"
+    about = {conclusion.of for conclusion in proof.conclusions}
+    for found in proof.proved:
+        if found.of not in about:
+            yield f"proved on the way: {found.of} {_says(found)}"
     for name, text in proof.formulas:
         yield f"formula: {name} = {text}" if not name.startswith("unknown ") else f"formula: {name}, {text}"
     for sentence in proof.faith:
-        yield f"on faith: {sentence}"
-    yield f"on faith: the sentence: {proof.statement}"
+        quoted = f' "{proof.statement}"' if sentence == SENTENCE_ON_FAITH else ""
+        yield f"on faith: {sentence}{quoted}"

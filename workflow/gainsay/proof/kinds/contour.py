@@ -45,7 +45,7 @@ REQUIRED = ("A", "H", "Cz", "blocks", "arcs")
 OPTIONAL = ("Dw", "shift", "radius", "alpha", "scale", "B", "C", "D", "Dd", "Ew", "gamma")
 LEVELS = ("alpha", "radius", "gamma")
 FOUND = ("arcs", "scale")
-_DEPTH = 16
+_DEPTH, _MOST_ARCS = 16, 2000
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ class _Arc:
         return self.settled(low, middle, depth + 1) and self.settled(middle, high, depth + 1)
 
     def _whole(self, low: Fraction, high: Fraction) -> bool:
-        spend(25 * (self.plant.a.nrows() + self.form_unit.nrows()) ** 3, "a piece of an arc")
+        spend(30_000 + 25 * (self.plant.a.nrows() + self.form_unit.nrows()) ** 3, "a piece of an arc")
         u, v, turn, move = self.plant.near(low, high)
         try:
             inverse = (self.unit * u - self.plant.a * v).inv()
@@ -256,7 +256,10 @@ def prove(scope: Scope) -> list[Proved]:
         if gamma <= 0:
             raise scope.fail("field 'gamma' must be positive")
 
-    ends = [scope.number(t) for t in scope.field("arcs")]
+    listed = scope.field("arcs")
+    if not isinstance(listed, list) or len(listed) > _MOST_ARCS:
+        raise scope.fail(f"field 'arcs': expected a list of at most {_MOST_ARCS} numbers")
+    ends = [scope.number(t) for t in listed]
     if len(ends) < 2 or ends[0] != 0 or ends[-1] != 1 or any(x >= y for x, y in pairwise(ends)):
         raise scope.fail("field 'arcs': expected numbers increasing from 0 to 1")
     rows = _multipliers(scope, len(ends) - 1, sizes)
@@ -266,6 +269,7 @@ def prove(scope: Scope) -> list[Proved]:
     demand(scope, of_w - dw.T @ of_z @ dw, ">", "D - Dw' D Dw")
     plant = _plant(lyapunov, (a, into, out, through), arb(to_fmpq(centre)), arb(to_fmpq(radius)), disk)
     for number, (low, high, (d, g)) in enumerate(zip(ends[:-1], ends[1:], rows, strict=True), 1):
+        spend(100_000, "an arc")
         if not _Arc(plant, d, g, sizes, (inputs, outputs, level)).settled(low, high):
             raise scope.fail(f"arc {number}, t from {to_text(low)} to {to_text(high)}, is not proved")
     if disk:

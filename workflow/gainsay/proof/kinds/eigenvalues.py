@@ -13,6 +13,7 @@ Reference: S. M. Rump, "Verification methods: rigorous results using floating-po
 (2010) 287-449; as done by acb_mat_eig_simple of FLINT.
 """
 
+from bisect import bisect_left
 from fractions import Fraction
 
 from flint import acb, arb
@@ -38,21 +39,24 @@ def _points(scope: Scope) -> list[acb]:
 
 def matched(costs: list[list[Fraction]]) -> Fraction:
     """Least bound under which a perfect matching exists: the smallest possible largest cost of a pair."""
-    for bound in sorted({x for row in costs for x in row}):
-        partner: dict[int, int] = {}
+    bounds = sorted({x for row in costs for x in row})
+    return bounds[bisect_left(bounds, True, key=lambda bound: _matches(costs, bound))]
 
-        def place(i: int, seen: set[int], bound: Fraction = bound, partner: dict[int, int] = partner) -> bool:
-            for j, cost in enumerate(costs[i]):
-                if cost <= bound and j not in seen:
-                    seen.add(j)
-                    if j not in partner or place(partner[j], seen):
-                        partner[j] = i
-                        return True
-            return False
 
-        if all(place(i, set()) for i in range(len(costs))):
-            return bound
-    raise ValueError("no matching")
+def _matches(costs: list[list[Fraction]], bound: Fraction) -> bool:
+    """Whether every row finds a column of its own at a cost within the bound."""
+    partner: dict[int, int] = {}
+
+    def place(i: int, seen: set[int]) -> bool:
+        for j, cost in enumerate(costs[i]):
+            if cost <= bound and j not in seen:
+                seen.add(j)
+                if j not in partner or place(partner[j], seen):
+                    partner[j] = i
+                    return True
+        return False
+
+    return all(place(i, set()) for i in range(len(costs)))
 
 
 def prove(scope: Scope) -> list[Proved]:

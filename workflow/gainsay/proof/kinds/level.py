@@ -55,8 +55,8 @@ def _parts(scope: Scope) -> list[tuple[str, str, dict]]:
 def _part(scope: Scope, name: str, kind: str, fields: dict) -> list[Proved]:
     """Apply the kind of a part to its fields and its share of the witness."""
     module = kinds.load(kind)
-    if module.prove is prove:
-        raise scope.fail(f"part {name!r}: a part may not be of kind {kind!r}")
+    if module.prove is prove or not module.LEVELS:
+        raise scope.fail(f"part {name!r}: a part may not be of kind {kind!r}, which has no level to meet")
     for field in module.REQUIRED:
         if field not in fields:
             raise scope.fail(f"part {name!r}: field {field!r} is missing")

@@ -1,0 +1,622 @@
+"""A second judge of certificates, for tests: is what one concludes true? It shares no code with `gainsay`.
+
+Formulas are evaluated in 40 digits (mpmath), boxes and intervals at drawn points, and conclusions are compared with
+what the field computes without certificates: eigenvalues, singular values on a grid, Gramians, simulated responses under
+drawn uncertainty. Where only multipliers can show something (infeasibility, a bound from below) they are multiplied out
+again at drawn points. What is judged false is false up to the margin; what passes need not be proved.
+"""
+
+import ast
+import random
+from itertools import product
+
+import mpmath as mp
+import numpy as np
+from scipy import linalg
+
+mp.mp.dps = 40
+SLACK = mp.mpf(10) ** -25
+MARGIN = 1e-7
+TRIES = 3
+
+
+class Untrue(AssertionError):
+    """What a certificate concludes is not true."""
+
+
+def number(text):
+    top, _, bottom = text.strip().partition("/")
+    return mp.mpf(top) / mp.mpf(bottom) if bottom else mp.mpf(top)
+
+
+def matrix(rows):
+    if isinstance(rows, str):
+        rows = [[rows]]
+    return np.array([[number(x) for x in row] for row in rows], dtype=object)
+
+
+def doubles(m):
+    return np.array(m, dtype=float)
+
+
+def parsed(text):
+    """Tree of a formula, its literals with their text: a double would not hold all their digits."""
+    text = text.strip()
+    node = ast.parse(text, mode="eval").body
+    for part in ast.walk(node):
+        if isinstance(part, ast.Constant):
+            part.text = text[part.col_offset : part.end_col_offset]
+    return node
+
+
+class Formulas:
+    """Formulas of a certificate over given values of its unknowns; every box is one drawn matrix of it."""
+
+    def __init__(self, plain, data, values, draw):
+        self.data, self.draw, self.boxes = data, draw, {}
+        self.names = {"pi": np.array([[mp.pi()]], dtype=object), **values}
+        for name, text in plain["definitions"]:
+            self.names[name] = self.value(text)
+
+    def value(self, text):
+        return self.visit(parsed(text))
+
+    def constraint(self, text):
+        node = parsed(text)
+        left, right = self.visit(node.left), self.visit(node.comparators[0])
+        relation = {ast.Lt: "<", ast.LtE: "<=", ast.Eq: "==", ast.GtE: ">=", ast.Gt: ">"}[type(node.ops[0])]
+        if right.shape == (1, 1) and right[0, 0] == 0:
+            return left, relation
+        if left.shape == (1, 1) and left[0, 0] == 0:
+            return -right, relation
+        assert left.shape == right.shape
+        return left - right, relation
+
+    def number(self, text):
+        value = self.value(str(text))
+        assert value.shape == (1, 1)
+        return value[0, 0]
+
+    def visit(self, node):
+        match node:
+            case ast.Constant(value=int() | float()):
+                return np.array([[mp.mpf(node.text)]], dtype=object)
+            case ast.Name(id=name):
+                return self.names[name]
+            case ast.UnaryOp(op=ast.USub()):
+                return -self.visit(node.operand)
+            case ast.UnaryOp(op=ast.UAdd()):
+                return self.visit(node.operand)
+            case ast.Attribute(attr="T"):
+                return self.visit(node.value).T
+            case ast.BinOp(op=ast.Pow()):
+                base, result = self.visit(node.left), None
+                for _ in range(node.right.value):
+                    result = base if result is None else result.dot(base)
+                return np.array([[mp.mpf(int(i == j)) for j in range(len(base))] for i in range(len(base))],
+                                dtype=object) if result is None else result  # fmt: skip
+            case ast.BinOp():
+                return self.operate(node.op, self.visit(node.left), self.visit(node.right))
+            case ast.List(elts=lines):
+                return self.block([[self.cell(x) for x in line.elts] for line in lines])
+            case ast.Subscript():
+                return self.part(self.visit(node.value), node.slice)
+            case ast.Call(func=ast.Name(id=name)):
+                return self.call(name, node.args)
+        raise AssertionError(ast.dump(node))
+
+    def operate(self, op, a, b):
+        match op:
+            case ast.Add() | ast.Sub():
+                assert a.shape == b.shape
+                return a + b if isinstance(op, ast.Add) else a - b
+            case ast.MatMult():
+                return a.dot(b)
+            case ast.Div():
+                return a / b[0, 0]
+            case ast.Mult():
+                return b * a[0, 0] if a.shape == (1, 1) else a * b[0, 0]
+        raise AssertionError(op)
+
+    def cell(self, node):
+        return None if isinstance(node, ast.Constant) and node.value is ... else self.visit(node)
+
+    def block(self, rows):
+        rows = [[rows[j][i].T if x is None else x for j, x in enumerate(row)] for i, row in enumerate(rows)]
+
+        def fills(x):
+            return x.shape == (1, 1) and x[0, 0] == 0
+
+        high = [max([x.shape[0] for x in row if not fills(x)], default=1) for row in rows]
+        wide = [max([row[j].shape[1] for row in rows if not fills(row[j])], default=1) for j in range(len(rows[0]))]
+        grid = [[np.full((h, w), mp.mpf(0), dtype=object) if fills(x) else x for x, w in zip(row, wide, strict=True)]
+                for row, h in zip(rows, high, strict=True)]  # fmt: skip
+        return np.vstack([np.hstack(row) for row in grid])
+
+    def part(self, value, node):
+        parts = list(node.elts) if isinstance(node, ast.Tuple) else [node]
+        if len(parts) == 1:
+            parts = [*parts, ast.Slice()] if value.shape[1] == 1 else [ast.Slice(), *parts]
+        places = []
+        for part, size in zip(parts, value.shape, strict=True):
+            if isinstance(part, ast.Slice):
+                low = part.lower.value if part.lower else 0
+                places.append(range(low, part.upper.value if part.upper else size))
+            else:
+                places.append([part.value])
+        return value[np.ix_(*places)]
+
+    def box(self, name):
+        if name not in self.boxes:
+            middle, half = matrix(self.data["printed"][name]), matrix(self.data["half_units"][name])
+            turns = [[mp.mpf(self.draw.uniform(-1, 1)) for _ in row] for row in middle]
+            self.boxes[name] = middle + half * np.array(turns, dtype=object)
+        return self.boxes[name]
+
+    def call(self, name, args):
+        match name:
+            case "number":
+                return matrix(self.data["number"][args[0].value])
+            case "printed":
+                return matrix(self.data["printed"][args[0].value])
+            case "box":
+                return self.box(args[0].value)
+            case "design":
+                return matrix(self.data["design"][f"{args[0].value}.{args[1].value}"])
+            case "interval":
+                low, high = (self.visit(x)[0, 0] for x in args)
+                return np.array([[low + (high - low) * mp.mpf(self.draw.random())]], dtype=object)
+            case "eye" | "zeros":
+                m, n = args[0].value, args[-1].value
+                return np.array([[mp.mpf(int(name == "eye" and i == j)) for j in range(n)] for i in range(m)],
+                                dtype=object)  # fmt: skip
+            case "unit":
+                return self.call("eye", args[:1])[:, [args[1].value]]
+            case "take":
+                return self.visit(args[0])[np.ix_(*[[x.value for x in a.elts] for a in args[1:]])]
+        values = [self.visit(x) for x in args]
+        match name:
+            case "block":
+                return values[0]
+            case "col":
+                return self.block([[x] for x in values])
+            case "row":
+                return self.block([values])
+            case "diag":
+                zero = np.array([[mp.mpf(0)]], dtype=object)
+                if all(x.shape[0] == x.shape[1] for x in values):
+                    return self.block([[x if i == j else np.full((x.shape[0], y.shape[1]), mp.mpf(0), dtype=object)
+                                        for j, y in enumerate(values)] for i, x in enumerate(values)])  # fmt: skip
+                return self.block([[x if i == j else zero for j in range(len(values))] for i, x in enumerate(values)])
+            case "sym":
+                return values[0] + values[0].T
+            case "trace":
+                return np.array([[sum(values[0].diagonal())]], dtype=object)
+            case "inverse":
+                return np.array((mp.matrix(values[0].tolist()) ** -1).tolist(), dtype=object)
+            case "kron":
+                return np.kron(*values)
+            case "sqrt" | "sin" | "cos" | "exp" | "log":
+                return np.vectorize(getattr(mp, name), otypes=[object])(values[0])
+        raise AssertionError(name)
+
+
+# ------------------------------------------------------------------------------------------------ facts of each kind
+
+
+def spectrum(m):
+    """Extreme eigenvalues of a symmetric matrix in 40 digits."""
+    m = (m + m.T) / 2
+    values = mp.eigsy(mp.matrix(m.tolist()), eigvals_only=True)
+    return min(values), max(values)
+
+
+def ordered(form, relation):
+    if relation == "==":
+        return all(abs(x) <= SLACK for x in form.ravel())
+    assert form.shape[0] == form.shape[1]
+    scale = max([abs(x) for x in form.ravel()] + [SLACK])
+    low, high = spectrum(form)
+    return low > -SLACK * scale if relation in (">", ">=") else high < SLACK * scale
+
+
+def given_point(plain):
+    return {name: matrix(plain["witness"][name]) for name in plain["unknowns"]}
+
+
+def drawn_point(plain, draw):
+    point = {}
+    for name, raw in plain["unknowns"].items():
+        (m, n), structure = raw.get("shape", [1, 1]), raw.get("structure", "full")
+        rows = np.array([[mp.mpf(draw.randint(-40, 40)) / 8 for _ in range(n)] for _ in range(m)], dtype=object)
+        if structure == "symmetric":
+            rows = rows + rows.T
+        elif structure == "skew":
+            rows = rows - rows.T
+        elif structure == "diagonal":
+            rows = rows * np.eye(m, dtype=int)
+        point[name] = rows
+    return point
+
+
+def in_boxes(plain, data, draw, point):
+    for name, printed in plain["fields"].get("boxes", {}).items():
+        middle, half = matrix(data["printed"][printed]), matrix(data["half_units"][printed])
+        turns = np.array([[mp.mpf(draw.uniform(-1, 1)) for _ in row] for row in middle], dtype=object)
+        if plain["unknowns"][name].get("structure") == "symmetric":
+            turns = np.triu(turns) + np.triu(turns, 1).T
+        point[name] = middle + half * turns
+    return point
+
+
+def weighted(plain, at, draw):
+    """Sum of the multipliers' products at a point, the multipliers being of the right sign."""
+    total, strict = mp.mpf(0), False
+    elementwise = plain["kind"] == "linear_box"
+    congruences = plain["fields"].get("congruences", {})
+    for name, text in plain["fields"]["constraints"]:
+        if name not in plain["witness"]:
+            continue
+        form, relation = at.constraint(text)
+        form = -form if relation in ("<", "<=") else form
+        if name in congruences:
+            t = at.value(congruences[name])
+            form = t.T.dot(form).dot(t)
+        z = matrix(plain["witness"][name])
+        assert z.shape == form.shape
+        if relation != "==":
+            scale = max(abs(x) for x in z.ravel()) + SLACK
+            low = min(z.ravel()) if elementwise else spectrum(z)[0]
+            if low < -SLACK * scale or (not elementwise and any(abs(x) > 0 for x in (z - z.T).ravel())):
+                raise Untrue(f"the multiplier of {name} has the wrong sign")
+            strict = strict or (relation in (">", "<") and any(x != 0 for x in z.ravel()) and name not in congruences)
+        total += (z * form).sum()
+    return total, strict
+
+
+def infeasible(plain, data, draw):
+    for _ in range(TRIES):
+        at = Formulas(plain, data, in_boxes(plain, data, draw, drawn_point(plain, draw)), draw)
+        total, strict = weighted(plain, at, draw)
+        if total > SLACK or (total > -SLACK and not strict):
+            raise Untrue(f"the weighted sum is {mp.nstr(total, 8)} at a drawn point")
+    return {"feasible": [False]}
+
+
+def dual_bound(plain, data, draw):
+    least = "minimise" in plain["fields"]
+    for _ in range(TRIES):
+        at = Formulas(plain, data, in_boxes(plain, data, draw, drawn_point(plain, draw)), draw)
+        total, _ = weighted(plain, at, draw)
+        value, bound = (
+            at.number(plain["fields"]["minimise" if least else "maximise"]),
+            at.number(plain["fields"]["bound"]),
+        )
+        slack = (value - bound if least else bound - value) - total
+        if slack < -SLACK * (1 + abs(value) + abs(bound)):
+            raise Untrue("the bound does not follow from the multipliers at a drawn point")
+    return {"objective": [bound]}
+
+
+def feasible(plain, data, draw):
+    point = given_point(plain)
+    at = Formulas(plain, data, point, draw)
+    for name, raw in plain["unknowns"].items():
+        sign = {"symmetric": 1, "skew": -1}.get(raw.get("structure"))
+        if sign and any(x != 0 for x in (point[name] - sign * point[name].T).ravel()):
+            raise Untrue(f"{name} has another structure")
+        assert list(point[name].shape) == raw.get("shape", [1, 1])
+    for name, printed in plain["fields"].get("boxes", {}).items():
+        off = np.abs(point[name] - matrix(data["printed"][printed])) - matrix(data["half_units"][printed])
+        if any(x > SLACK for x in off.ravel()):
+            raise Untrue(f"{name} leaves its box")
+    for name, text in plain["fields"]["constraints"]:
+        form, relation = at.constraint(text)
+        if plain["kind"] == "linear_box":
+            good = all({"==": abs(x) <= SLACK, ">": x > 0, ">=": x >= 0, "<": x < 0, "<=": x <= 0}[relation]
+                       for x in form.ravel())  # fmt: skip
+        else:
+            good = ordered(form, relation)
+        if not good:
+            raise Untrue(f"{name} does not hold at the point")
+    facts = {"feasible": [True]}
+    for goal in ("minimise", "maximise"):
+        if goal in plain["fields"]:
+            facts["objective"] = [at.number(plain["fields"][goal])]
+    return facts
+
+
+def linear_box(plain, data, draw):
+    return (feasible if plain["fields"]["answer"] == "holds" else infeasible)(plain, data, draw)
+
+
+def identity(plain, data, draw):
+    if "modulo" in plain["fields"]:
+        return identity_modulo(plain, data)
+    for _ in range(TRIES):
+        at = Formulas(plain, data, drawn_point(plain, draw), draw)
+        left, right = at.value(plain["fields"]["left"]), at.value(plain["fields"]["right"])
+        size = 1 + max(abs(x) for x in (*left.ravel(), *right.ravel()))
+        if left.shape != right.shape or any(abs(x) > SLACK * size for x in (left - right).ravel()):
+            return {"identity": [False]}
+    return {"identity": [True]}
+
+
+def identity_modulo(plain, data):
+    """Remainder on division by a Groebner basis of the relations, by sympy; numbers as unknowns alone."""
+    import sympy
+
+    names = {name: sympy.Symbol(name) for name in plain["unknowns"]}
+
+    class Symbols(Formulas):
+        def visit(self, node):
+            if isinstance(node, ast.Constant):
+                return np.array([[sympy.Rational(node.text)]], dtype=object)
+            return super().visit(node)
+
+        def block(self, rows):
+            rows = [[rows[j][i].T if x is None else x for j, x in enumerate(row)] for i, row in enumerate(rows)]
+            return np.vstack([np.hstack(row) for row in rows])
+
+        def call(self, name, args):
+            if name in ("number", "printed"):
+                rows = self.data[name][args[0].value]
+                rows = [[rows]] if isinstance(rows, str) else rows
+                return np.array([[sympy.Rational(x) for x in row] for row in rows], dtype=object)
+            if name == "eye":
+                return np.array(sympy.eye(args[0].value).tolist(), dtype=object)
+            return super().call(name, args)
+
+    at = Symbols(plain, data, {name: np.array([[s]], dtype=object) for name, s in names.items()}, random.Random(0))
+    relations = [sympy.expand(at.value(text)[0, 0]) for text in plain["fields"]["modulo"]]
+    point = {names[name]: sympy.Rational(plain["witness"][name] if isinstance(plain["witness"][name], str)
+                                         else plain["witness"][name][0][0]) for name in names}  # fmt: skip
+    if any(r.subs(point) != 0 for r in relations):
+        raise Untrue("the relations do not meet at the witness")
+    left, right = at.value(plain["fields"]["left"]), at.value(plain["fields"]["right"])
+    basis = sympy.groebner(relations, *names.values(), order="grevlex")
+    same = left.shape == right.shape and all(basis.reduce(sympy.expand(x))[1] == 0 for x in (left - right).ravel())
+    return {"identity": [same]}
+
+
+def different(plain, data, draw):
+    facts = identity(plain, data, draw)
+    if facts["identity"] == [True] and plain["unknowns"]:  # the drawn points may miss what the witness shows
+        at = Formulas(plain, data, given_point(plain), draw)
+        gap = at.value(plain["fields"]["left"]) - at.value(plain["fields"]["right"])
+        facts["identity"] = [all(abs(x) <= SLACK for x in gap.ravel())]
+    return facts
+
+
+def definite(plain, data, draw):
+    held = []
+    for _ in range(TRIES):
+        at = Formulas(plain, data, {}, draw)
+        form, relation = at.constraint(plain["fields"]["constraint"])
+        if plain["kind"] == "definite":
+            held.append(ordered(form, relation))
+        else:
+            low, high = spectrum(form)
+            edge = low if relation in (">", ">=") else -high
+            held.append(edge > SLACK if relation in (">", "<") else edge > -SLACK)
+    return {"definite": held}
+
+
+def listed(at, text):
+    return [at.value(t) for t in (text if isinstance(text, list) else [text])]
+
+
+def hull(matrices, draw):
+    """Vertices and some points between them."""
+    weights = [[draw.random() for _ in matrices] for _ in range(TRIES)]
+    return [*matrices, *(sum(m * mp.mpf(w / sum(ws)) for m, w in zip(matrices, ws, strict=True)) for ws in weights)]
+
+
+def eigenvalues(m):
+    assert m.shape[0] == m.shape[1]
+    if len(m) == 1:
+        return [m[0, 0]]
+    return mp.eig(mp.matrix(m.tolist()), left=False, right=False)
+
+
+def lines(plain, data, draw):
+    """Kinds lyapunov, stein, unstable, eigenvalues, not_an_eigenvalue: all about where eigenvalues lie."""
+    facts, fields = (
+        {"abscissa": [], "radius": [], "stable": [], "nearest": [], "eigenvalue": [], "distance": []},
+        plain["fields"],
+    )
+    facts["matching"] = []
+    for _ in range(TRIES if "box(" in str(plain["definitions"]) + str(fields) else 1):
+        at = Formulas(plain, data, {}, draw)
+        found = listed(at, fields["matrix"])
+        for m in hull(found, draw) if len(found) > 1 else found:
+            roots = eigenvalues(m)
+            facts["abscissa"].append(max(mp.re(s) for s in roots))
+            facts["stable"].append(facts["abscissa"][-1] < 0)
+            if "shift" in fields:
+                facts["radius"].append(max(abs(s + at.number(fields["shift"])) for s in roots))
+            if "real" in fields:
+                point = mp.mpc(at.number(fields["real"]), at.number(fields["imaginary"]))
+                facts["distance"].append(min(abs(s - point) for s in roots))
+                facts["eigenvalue"].append(facts["distance"][-1] < SLACK)
+            if "points" in fields:
+                points = [mp.mpc(at.number(a), at.number(b)) for a, b in fields["points"]]
+                costs = np.array([[float(abs(s - p)) for p in points] for s in roots])
+                facts["nearest"].append(mp.mpf(costs.min()))
+                facts["matching"].append(bottleneck(costs))
+    return facts
+
+
+def bottleneck(costs):
+    from scipy.optimize import linear_sum_assignment
+
+    for bound in np.unique(costs):
+        chosen = linear_sum_assignment((costs > bound).astype(float))
+        if not (costs > bound)[chosen].any():
+            return mp.mpf(float(bound))
+    return mp.inf
+
+
+def gain(a, b, c, d, grid=400):
+    """Largest singular value over a grid of frequencies, and at its best point refined."""
+    scale = np.abs(linalg.eigvals(a))
+    low, high = max(scale.min(), 1e-9) / 100, scale.max() * 100 + 1e-9
+    points = [0.0, *np.geomspace(low, high, grid), *np.abs(linalg.eigvals(a).imag)]
+    return max(linalg.norm(c @ linalg.solve(1j * w * np.eye(len(a)) - a, b) + d, 2) for w in points)
+
+
+def norms(plain, data, draw):
+    """Kinds bounded_real, h2, norm_at_least."""
+    facts, fields = {"norm": [], "stable": []}, plain["fields"]
+    at = Formulas(plain, data, {}, draw)
+    systems = [listed(at, fields[name]) for name in ("A", "B", "C", *(["D"] if "D" in fields else []))]
+    count = max(map(len, systems))
+    for k in range(count):
+        a, b, c, *d = (doubles(s[k if len(s) > 1 else 0]) for s in systems)
+        d = d[0] if d else np.zeros((len(c), b.shape[1]))
+        facts["stable"].append(linalg.eigvals(a).real.max() < 0)
+        if plain["kind"] == "h2":
+            facts["norm"].append(mp.mpf(np.sqrt(np.trace(b.T @ linalg.solve_continuous_lyapunov(a.T, -c.T @ c) @ b))))
+        else:
+            facts["norm"].append(mp.mpf(gain(a, b, c, d)) if facts["stable"][-1] else mp.inf)
+    return facts
+
+
+def uncertainties(blocks, draw, count=25):
+    """Drawn admissible Delta, the corners of a few numbers among them."""
+
+    def one(pick):
+        parts = [np.eye(e[1]) * pick() if e[0] == "repeated" else contraction(e[1], e[2], draw) for e in blocks]
+        return linalg.block_diag(*parts)
+
+    corners = list(product((-1.0, 1.0), repeat=min(len(blocks), 4)))
+    for corner in corners:
+        values = iter(corner + tuple(draw.choice((-1.0, 1.0)) for _ in blocks))
+        yield one(lambda values=values: next(values))
+    for _ in range(count):
+        yield one(lambda: draw.uniform(-1, 1))
+
+
+def contraction(p, q, draw):
+    m = np.array([[draw.gauss(0, 1) for _ in range(q)] for _ in range(p)])
+    return m / linalg.norm(m, 2)
+
+
+def uncertain(plain, data, draw):
+    """Kinds quadratic_bound, robust_disk, robust_norm, contour: sampled over constant uncertainty."""
+    fields, at = plain["fields"], Formulas(plain, data, {}, draw)
+
+    def get(name, rows, columns):
+        return doubles(at.value(fields[name])) if name in fields else np.zeros((rows, columns))
+
+    a = doubles(at.value(fields["A"]))
+    n = len(a)
+    channels = "H" in fields
+    h = get("H", n, 1)
+    cz = get("Cz", 1, n)
+    dw = get("Dw", len(cz), h.shape[1])
+    facts = {"stable": [], "abscissa": [], "radius": [], "norm": [], "cost": []}
+    for delta in uncertainties(fields["blocks"], draw) if channels else [np.zeros((h.shape[1], len(cz)))]:
+        through = delta @ linalg.inv(np.eye(len(cz)) - dw @ delta)
+        loop = a + h @ through @ cz
+        roots = linalg.eigvals(loop)
+        facts["stable"].append(roots.real.max() < 0)
+        facts["abscissa"].append(mp.mpf(roots.real.max()))
+        if "shift" in fields:
+            facts["radius"].append(mp.mpf(np.abs(roots + float(at.number(fields["shift"]))).max()))
+        if "gamma" in fields:
+            b, c = get("B", n, 1), get("C", 1, n)
+            dd, ew, d = get("Dd", len(cz), b.shape[1]), get("Ew", len(c), h.shape[1]), get("D", len(c), b.shape[1])
+            facts["norm"].append(
+                mp.mpf(gain(loop, b + h @ through @ dd, c + ew @ through @ cz, d + ew @ through @ dd, 60))
+            )
+        if "x0" in fields:
+            x0 = doubles(at.value(fields["x0"]))
+            if "cost" in fields and roots.real.max() < 0:
+                x = linalg.solve_continuous_lyapunov(loop.T, -get("Q", n, n))
+                facts["cost"].append(mp.mpf((x0.T @ x @ x0)[0, 0]))
+            horizon = 10 / max(abs(roots.real).min(), 1e-12)
+            step = linalg.expm(loop * horizon / 400)
+            for entry in fields.get("inputs", []):
+                x, k, peak = x0, doubles(at.value(entry["row"])), 0.0
+                for _ in range(400):
+                    peak, x = max(peak, linalg.norm(k @ x)), step @ x
+                facts.setdefault(entry["of"], []).append(mp.mpf(peak))
+    return facts
+
+
+def enclosed(plain, data, draw):
+    values = [Formulas(plain, data, {}, draw).number(plain["fields"]["formula"]) for _ in range(TRIES)]
+    return {"value": values}
+
+
+def level(plain, data, draw):
+    at = Formulas(plain, data, {}, draw)
+    facts = {"level": [at.number(plain["fields"]["level"])]}
+    for part in plain["fields"]["parts"]:
+        found = judge_facts({**plain, "kind": part["kind"], "fields": part["fields"]}, data, draw)
+        for key in ("gamma", "radius"):
+            if key in part["fields"]:
+                of = {"gamma": "norm", "radius": "radius"}[key]
+                bound = float(at.number(part["fields"][key]))
+                if any(v > bound * (1 + MARGIN) for v in found[of]):
+                    raise Untrue(f"{part['name']}: {of} above {bound}")
+        facts |= {f"{part['name']}.{of}": values for of, values in found.items()}
+    return facts
+
+
+def interval(plain, data, draw):
+    fields = plain["fields"]
+    (name,) = plain["unknowns"]
+    anywhere = Formulas(plain, data, {name: matrix("1")}, draw)
+    low, high = (anywhere.number(fields[k]) for k in ("low", "high"))
+    held = []
+    for k in range(60):
+        t = np.array([[low + (high - low) * k / 59]], dtype=object)
+        held.append(ordered(*Formulas(plain, data, {name: t}, draw).constraint(fields["constraint"])))
+    return {"definite": held}
+
+
+FACTS = {
+    **dict.fromkeys(("lyapunov", "stein", "unstable", "eigenvalues", "not_an_eigenvalue"), lines),
+    **dict.fromkeys(("bounded_real", "h2", "norm_at_least"), norms),
+    **dict.fromkeys(("quadratic_bound", "robust_disk", "robust_norm", "contour"), uncertain),
+    **dict.fromkeys(("definite", "not_definite"), definite),
+    "farkas": infeasible, "dual_bound": dual_bound, "feasible": feasible, "linear_box": linear_box,
+    "identity": identity, "different": different, "enclosed": enclosed, "level": level,
+    "positive_on_interval": interval,
+}  # fmt: skip
+
+
+def judge_facts(plain, data, draw):
+    return FACTS[plain["kind"]](plain, data, draw)
+
+
+def judge(plain, data, seed=0):
+    """Raise `Untrue` unless every conclusion of a certificate (plain JSON values) agrees with the facts."""
+    facts = judge_facts(plain, data, random.Random(seed))
+    if not plain["conclusions"]:
+        raise Untrue("nothing is concluded")
+    for conclusion in plain["conclusions"]:
+        values, relation, value = facts.get(conclusion["of"]), conclusion["relation"], conclusion["value"]
+        if not values:
+            raise Untrue(f"nothing is known about {conclusion['of']!r}")
+        if relation in ("holds", "fails"):
+            good = value is None and all(v == (relation == "holds") for v in values)
+        else:
+            low, high = value.split("..") if relation == "inside" else (value, value)
+            low, high = number(low), number(high)
+            room = MARGIN * (1 + abs(low)) if plain["kind"] in INEXACT else SLACK * (1 + abs(low))
+            above = all(v >= low - room for v in values)
+            below = all(v <= high + room for v in values)
+            good = {"at_most": below, "less_than": below, "at_least": above, "greater_than": above,
+                    "inside": above and below}[relation]  # fmt: skip
+            if plain["kind"] == "norm_at_least" and relation in ("at_least", "greater_than"):
+                good = all(v >= low * (1 - 0.05) for v in values)  # the grid may miss the peak
+        if not good:
+            raise Untrue(
+                f"{conclusion}: the facts are {[mp.nstr(v, 12) if isinstance(v, mp.mpf) else v for v in values][:4]}"
+            )
+
+
+INEXACT = {"bounded_real", "h2", "norm_at_least", "quadratic_bound", "robust_disk", "robust_norm", "contour", "level"}
