@@ -1,9 +1,9 @@
 """A second judge of certificates, for tests: is what one concludes true? It shares no code with `gainsay`.
 
 Formulas are evaluated in 40 digits (mpmath), boxes and intervals at drawn points, and conclusions are compared with
-what the field computes without certificates: eigenvalues, singular values on a grid, Gramians, simulated responses under
-drawn uncertainty. Where only multipliers can show something (infeasibility, a bound from below) they are multiplied out
-again at drawn points. What is judged false is false up to the margin; what passes need not be proved.
+what the field computes without certificates: eigenvalues, singular values on a grid, Gramians, responses simulated
+under drawn uncertainty. Where only multipliers can show something (infeasibility, a bound from below) they are
+multiplied out again at drawn points. What is judged false is false up to the margin; what passes need not be proved.
 """
 
 import ast
