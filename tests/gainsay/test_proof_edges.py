@@ -328,7 +328,7 @@ def meaning(relation, value):
     return {x / 2 for x in range(-12, 13) if test(x / 2)}
 
 
-@pytest.mark.parametrize(("proved", "stated"), product(RELATIONS, RELATIONS))
+@pytest.mark.parametrize(("proved", "stated"), list(product(RELATIONS, RELATIONS)))
 def test_a_bound_implies_another_exactly_when_its_set_is_smaller(proved, stated):
     for a, b in product(range(-2, 3), repeat=2):
         follows = implied([Proved("norm", proved, str(a))], Conclusion("q", stated, str(b), "norm"))
