@@ -6,7 +6,9 @@ Every expected answer is a closed form of a scalar or two-state example, given b
 from fractions import Fraction
 from itertools import product
 
+import numpy as np
 import pytest
+from scipy import linalg
 
 from gainsay.errors import CertificateError
 from gainsay.proof import Conclusion, MappingTables, build
@@ -378,3 +380,34 @@ def test_the_best_matching_is_found():
         ([[1, 9, 9], [9, 9, 1], [9, 1, 9]], 1), ([[1, 2, 3], [1, 5, 6], [1, 8, 9]], 5),
     ):  # fmt: skip
         assert eigenvalues.matched([[Fraction(x) for x in row] for row in costs]) == best
+
+
+# Two springs, x1'' + 0.2 x1' + (1 + k1 a) x1 = 0 and x2'' + 0.2 x2' + (4 + k2 b) x2 = 0, real a and b within [-1, 1]:
+# stable exactly for k1 < 1 and k2 < 4. Complex a would allow k1 < 0.2 only (the damping at resonance), so G is needed.
+SPRINGS = {"A": "diag([[0, 1], [-1, -0.2]], [[0, 1], [-4, -0.2]])", "Cz": "[[1, 0, 0, 0], [0, 0, 1, 0]]",
+           "arcs": ["0", "1"], "alpha": "0", "scale": "1"}  # fmt: skip
+
+
+def springs(k1, k2, g, blocks=(("repeated", 1), ("repeated", 1)), d=("1", "1")):
+    a = linalg.block_diag([[0, 1], [-1, -0.2]], [[0, 1], [-4, -0.2]])
+    p = linalg.solve_continuous_lyapunov(a.T, -np.eye(4))
+    fields = {**SPRINGS, "H": f"[[0, 0], [-{k1}, 0], [0, 0], [0, -{k2}]]", "blocks": [list(b) for b in blocks]}
+    return accepted("contour", fields, {"P": (p + p.T) / 2, "d": [list(d)], "g": [list(g)]})
+
+
+def test_real_parameters_need_their_own_multipliers():
+    # 1 - |M|^2 + 2 g Im M > 0 on the whole axis, M = k / (w0^2 - w^2 + 0.2 i w): by hand for these g
+    assert springs("0.5", "1", ("2", "1.5"))
+    assert springs("0.5", "1", ("4", "3"), d=("2", "2"))
+    assert springs("0.1", "1", ("0", "1.5"))
+    assert springs("0.1", "1", ("0", "1.5"), blocks=(("full", 1, 1), ("repeated", 1)))
+    assert springs("0.5", "1", ("0", "1.5")) is None
+    assert springs("0.5", "1", ("2", "0")) is None
+    assert springs("0.5", "1", ("-2", "1.5")) is None
+    assert springs("0.5", "1", ("2", "1.5"), blocks=(("full", 1, 1), ("repeated", 1))) is None
+
+
+@pytest.mark.parametrize("g", ["0", "1", "2", "20", "1000"])
+def test_no_multiplier_proves_an_unstable_spring_stable(g):
+    assert springs("1.05", "1", (g, "1.5")) is None
+    assert springs("0.5", "4.1", ("2", g)) is None
