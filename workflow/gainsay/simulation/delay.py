@@ -16,7 +16,8 @@ import numpy as np
 
 from gainsay.errors import ComputationError, InputError
 
-_CHUNK = 2048  # intervals prepared at once
+# intervals prepared at once; the first ones, between close breakpoints, see many rows
+_FIRST, _CHUNK = 64, 1024
 
 
 @dataclass(frozen=True)
@@ -309,70 +310,141 @@ def simulate_delay(
     mesh, h = delay_mesh(law, start, end, step, stages)
     times = mesh[:-1, None] + h[:, None] * rule.nodes
     law.check(np.unique(np.append(mesh, times)))
-    states = np.empty((len(mesh), n))
-    states[0] = initial
+    reading = _Reading.of(law, rule, mesh, h, times)
+    # A row an interval: the state at its right end, then the delayed signal's polynomial on it (value at the left end,
+    # h times its slopes). Rows of the constant history stand before the first.
+    history, width = int(reading.reach.max(initial=1)), n + (stages + 1) * r
+    rows = np.zeros((history + len(h), width))
+    rows[:history, :n], rows[:history, n : n + r] = initial, Cd @ initial
     slopes = np.empty((len(h), stages, n))
-    # The delayed signal's polynomial of every interval: value at the left end, then h times its slopes.
-    memory = np.zeros((len(h) + 1, stages + 1, r))
-    memory[-1, 0] = Cd @ initial  # the history, read through index -1
-    for first in range(0, len(h), _CHUNK):
-        block = slice(first, min(first + _CHUNK, len(h)))
-        _advance(block, A, Bd, Cd, law, forcing, rule, mesh, h, times, states, slopes, memory)
-        if not np.all(np.isfinite(states[block.stop])):
-            raise ComputationError("delay simulation", f"state leaves double precision before {mesh[block.stop]:g} s")
-    return DelaySolution(mesh, states, slopes, rule)
+    ends = [0, *range(min(_FIRST, len(h)), len(h), _CHUNK), len(h)]
+    for first, last in pairwise(ends):
+        block = slice(first, last)
+        f = np.zeros((last - first, stages, n)) if forcing is None else forcing(times[block].ravel())
+        steps = _Steps.of(A, Bd, Cd, rule, h[block], f.reshape(last - first, stages, n), reading[block])
+        steps.run(rows[history + first - steps.depth : history + last])
+        slopes[block] = steps.slopes(rows[history + first - steps.depth : history + last - 1])
+        if not np.all(np.isfinite(rows[history + last - 1])):
+            raise ComputationError("delay simulation", f"state leaves double precision before {mesh[last]:g} s")
+    return DelaySolution(mesh, np.vstack([initial, rows[history:, :n]]), slopes, rule)
 
 
-def _advance(block, A, Bd, Cd, law, forcing, rule, mesh, h, times, states, slopes, memory) -> None:
-    """Solve the intervals of one block; everything that does not depend on the state is prepared at once."""
-    n, r = Bd.shape
-    s = len(rule.nodes)
-    steps, stage = h[block], times[block]
-    count = len(steps)
-    f = np.zeros((count, s, n)) if forcing is None else forcing(stage.ravel()).reshape(count, s, n)
-    delayed = stage - law(stage)
-    at = np.searchsorted(mesh, delayed, side="right") - 1  # -1: the history
-    own = np.arange(block.start, block.stop)[:, None]
-    # A delay that vanishes to rounding may put t - d(t) a hair beyond its own interval.
-    at = np.minimum(at, own)
-    past = at < 0
-    theta = np.where(past, 0.0, (delayed - mesh[at]) / h[np.maximum(at, 0)])
-    reading = np.concatenate([np.ones((count, s, 1)), rule.partial(theta)], axis=2)  # (count, s, 1 + s)
-    inside = (at == own) & ~past
+@dataclass(frozen=True)
+class _Reading:
+    """Where every stage reads the delayed signal.
 
-    # Slopes: Z = G (1 x A x_k + f + Bd v) with G = (I - h a x A)^-1, one for each distinct step.
-    solved: dict[float, np.ndarray] = {}
-    for value in np.unique(steps):
-        solved[value] = np.linalg.inv(np.eye(s * n) - value * np.kron(rule.integrals, A))
-    ones_A = np.kron(np.ones((s, 1)), A)
-    eye_Bd = np.kron(np.eye(s), Bd)
-    from_state = {key: G @ ones_A for key, G in solved.items()}
-    from_delayed = {key: G @ eye_Bd for key, G in solved.items()}
-    read_state = {key: np.einsum("rn,jnm->jrm", Cd, M.reshape(s, n, n)) for key, M in from_state.items()}
-    read_delayed = {key: np.einsum("rn,jnm->jrm", Cd, M.reshape(s, n, s * r)) for key, M in from_delayed.items()}
-    forced = np.empty((count, s * n))
-    for key, G in solved.items():
-        rows = steps == key
-        forced[rows] = f[rows].reshape(-1, s * n) @ G.T
+    Attributes
+    ----------
+    reach : ndarray of int, shape (m, s)
+        How many intervals back, 0 for the stage's own; the history stands just before the first interval.
+    weights : ndarray, shape (m, s, 1 + s)
+        Of the value at that interval's left end and of h times its slopes.
+    """
 
-    # Stages that read their own interval couple the delayed values: (I - E) v = what is known.
-    couple = np.zeros((count, s, s))
-    couple[inside] = reading[inside][:, 1:]
-    couple *= steps[:, None, None]
-    touched = inside.any(axis=1)
-    weights = rule.weights
-    for k in range(count):
-        x, key = states[block.start + k], steps[k]
-        v = np.einsum("ij,ijr->ir", reading[k], memory[at[k]])
-        if touched[k]:
-            # Known part of the signal inside this interval: Cd x plus the slopes without the coupling.
-            free = read_state[key] @ x + forced[k].reshape(s, n) @ Cd.T
-            known = np.where(inside[k][:, None], Cd @ x + couple[k] @ free, v)
-            E = np.einsum("ij,jrm->irm", couple[k], read_delayed[key]).reshape(s * r, s * r)
-            v = np.linalg.solve(np.eye(s * r) - E, known.ravel()).reshape(s, r)
-        Z = (from_state[key] @ x + forced[k] + from_delayed[key] @ v.ravel()).reshape(s, n)
-        i = block.start + k
-        slopes[i] = Z
-        states[i + 1] = x + steps[k] * (weights @ Z)
-        memory[i, 0] = Cd @ x
-        memory[i, 1:] = steps[k] * (Z @ Cd.T)
+    reach: np.ndarray
+    weights: np.ndarray
+
+    @classmethod
+    def of(cls, law: DelayLaw, rule: Collocation, mesh: np.ndarray, h: np.ndarray, times: np.ndarray) -> "_Reading":
+        delayed = times - law(times)
+        own = np.arange(len(h))[:, None]
+        # a delay that vanishes to rounding may put t - d(t) a hair beyond its own interval
+        at = np.minimum(np.searchsorted(mesh, delayed, side="right") - 1, own)
+        theta = np.where(at < 0, 0.0, (delayed - mesh[at]) / h[np.maximum(at, 0)])
+        return cls(own - at, np.concatenate([np.ones((*theta.shape, 1)), rule.partial(theta)], axis=2))
+
+    def __getitem__(self, block: slice) -> "_Reading":
+        return _Reading(self.reach[block], self.weights[block])
+
+
+@dataclass(frozen=True)
+class _Steps:
+    """A block of intervals as maps of the rows before each: everything but the rows themselves, computed at once.
+
+    With u the `depth` rows before interval k, one after the other, its delayed stage values are V_k u + v_k, its
+    slopes S x + D (V_k u + v_k) + f_k, and its own row M_k u + m_k.
+
+    Attributes
+    ----------
+    depth : int
+        Rows that a step sees.
+    delayed, row : tuple of (ndarray, ndarray)
+        (V, v) and (M, m), shapes (k, s r, depth w), (k, s r), (k, w, depth w), (k, w).
+    from_state, from_delayed : ndarray
+        S and D for every distinct step, shapes (q, s n, n) and (q, s n, s r).
+    which : ndarray of int, shape (k,)
+        Distinct step of every interval.
+    forced : ndarray, shape (k, s n)
+        f, solved for the slopes.
+    """
+
+    depth: int
+    delayed: tuple[np.ndarray, np.ndarray]
+    row: tuple[np.ndarray, np.ndarray]
+    from_state: np.ndarray
+    from_delayed: np.ndarray
+    which: np.ndarray
+    forced: np.ndarray
+
+    @classmethod
+    def of(cls, A, Bd, Cd, rule: Collocation, h: np.ndarray, f: np.ndarray, reading: _Reading) -> "_Steps":
+        (n, r), s, count = Bd.shape, len(rule.nodes), len(h)
+        width, depth = n + (s + 1) * r, max(1, int(reading.reach.max()))
+        distinct, which = np.unique(h, return_inverse=True)
+        # slopes Z = G (1 x A x + f + Bd v) with G = (I - h a x A)^-1
+        solved = np.linalg.inv(np.eye(s * n) - distinct[:, None, None] * np.kron(rule.integrals, A))
+        from_state, from_delayed = solved @ np.kron(np.ones((s, 1)), A), solved @ np.kron(np.eye(s), Bd)
+        forced = np.empty((count, s * n))
+        read, mean = np.kron(np.eye(s), Cd), np.kron(rule.weights, np.eye(n))
+        # what the row of an interval takes from its slopes
+        take = np.vstack([mean, np.zeros((r, s * n)), read])
+        known = np.zeros((count, s, r, depth, width))  # of the delayed stage values, by the rows before
+        inside = reading.reach == 0
+        k, i = np.nonzero(~inside)
+        for channel in range(r):
+            places = n + channel + r * np.arange(s + 1)
+            known[k[:, None], i[:, None], channel, depth - reading.reach[k, i][:, None], places] = reading.weights[k, i]
+        # stages that read their own interval see its slopes: (I - E) v = what is known
+        couple = np.where(inside[:, :, None], reading.weights[:, :, 1:], 0.0) * h[:, None, None]
+        E, free = np.empty((count, s * r, s * r)), np.empty((count, s * r))
+        for number, G in enumerate(solved):
+            at = which == number
+            forced[at] = f[at].reshape(-1, s * n) @ G.T
+            own = couple[at]
+            state = (read @ from_state[number]).reshape(s, r * n)
+            known[at, :, :, -1, :n] += inside[at][:, :, None, None] * Cd + (own @ state).reshape(-1, s, r, n)
+            E[at] = (own @ (read @ from_delayed[number]).reshape(s, r * s * r)).reshape(-1, s * r, s * r)
+            free[at] = (own @ (forced[at] @ read.T).reshape(-1, s, r)).reshape(-1, s * r)
+        right = np.concatenate([known.reshape(count, s * r, depth * width), free[:, :, None]], axis=2)
+        right = np.linalg.solve(np.eye(s * r) - E, right)
+        V, v = right[:, :, :-1], right[:, :, -1]
+        M, m = np.empty((count, width, depth * width)), h[:, None] * (forced @ take.T)
+        last = (depth - 1) * width
+        for number, value in enumerate(distinct):
+            at = which == number
+            D, S = value * take @ from_delayed[number], value * take @ from_state[number]
+            S[:n] += np.eye(n)
+            S[n : n + r] += Cd
+            M[at] = D @ V[at]
+            M[at, :, last : last + n] += S
+            m[at] += v[at] @ D.T
+        return cls(depth, (V, v), (M, m), from_state, from_delayed, which, forced)
+
+    def run(self, rows: np.ndarray) -> None:
+        """Fill all rows but the first `depth`."""
+        flat, width, seen = rows.reshape(-1), rows.shape[1], self.depth * rows.shape[1]
+        for start, M, m in zip(range(0, len(flat), width), *self.row, strict=False):
+            flat[start + seen : start + seen + width] = M @ flat[start : start + seen] + m
+
+    def slopes(self, rows: np.ndarray) -> np.ndarray:
+        """Slopes of every interval from the rows before the last, shape (k, s, n)."""
+        width, n = rows.shape[1], self.from_state.shape[2]
+        seen = np.lib.stride_tricks.sliding_window_view(rows.reshape(-1), self.depth * width)[::width]
+        V, v = self.delayed
+        values = (V @ seen[:, :, None])[:, :, 0] + v
+        x = seen[:, (self.depth - 1) * width :][:, :n]
+        found = self.forced.copy()
+        for number, (S, D) in enumerate(zip(self.from_state, self.from_delayed, strict=True)):
+            at = self.which == number
+            found[at] += x[at] @ S.T + values[at] @ D.T
+        return found.reshape(len(found), -1, n)
