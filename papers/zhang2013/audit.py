@@ -11,7 +11,7 @@ from gainsay.errors import ComputationError
 from gainsay.lmi import Program, block_diagonal, sym, symmetric
 from gainsay.proof.build import certificate
 from gainsay.systems.delay import DelayMargin, DelaySystem
-from gainsay.systems.delay_bounds import DelayCondition, bessel_legendre, level, proved_delay
+from gainsay.systems.delay_bounds import bessel_legendre
 from gainsay.systems.delay_spectrum import gain_stays_below, hinf_norm, rightmost_roots, spectral_abscissa
 from gainsay.tables import Case
 from gainsay.tables.models import Claim
@@ -21,20 +21,21 @@ from papers.zhang2013 import certificates as prove
 from papers.zhang2013 import derivations, flight
 from papers.zhang2013.bounds import (
     Structured,
-    first_refuted,
+    delay_below,
     flexible_point,
     largest_delay,
     least_gamma,
     lifted,
     point_at,
+    turning_delay,
 )
 from papers.zhang2013.design import farkas_multipliers
 from papers.zhang2013.formulas import PLANT
 from papers.zhang2013.plant import MODES, Spacecraft
 from papers.zhang2013.theorem1 import Delayed, Functional, channel_blocks, theorem1
 
-DELAY_WIDTH = 1e-8
-"""Relative width of the bracket in which the largest delay with a checked point is sought."""
+DELAY_WIDTH, FLEXIBLE_WIDTH = 1e-6, 1e-4
+"""Relative widths to which the delay at which a condition turns is bisected, design model and flexible plant."""
 NORM_ROOM = 1e-7
 """Relative room between a norm and the level proved above it."""
 
@@ -106,13 +107,10 @@ def delay_margin(case: Case, results: Results) -> None:
     )
     # e is not delayed and does not feed on x: (7) is stable exactly if L B > 0 and the loop of x is
     parts = loop.A[:2, :2], loop.Bd[:2], loop.Cd[:, :2]
-    for degree in (0, 1, 2):
-
-        def condition(h: float, degree: int = degree) -> DelayCondition:
-            return bessel_legendre(*parts, h, degree)
-
-        proved, _ = proved_delay(lambda h, condition=condition: condition(h).blocks, margin.upper, DELAY_WIDTH)
-        refuted = first_refuted(lambda h, condition=condition: level(condition(h)).lower > 0, proved, margin.upper)
+    proved = 0.0
+    for degree in (0, 1, 2):  # what a degree proves, the next one proves too
+        condition = partial(bessel_legendre, *parts, degree=degree)
+        proved, refuted = turning_delay(condition, proved, margin.upper, DELAY_WIDTH)
         results.quantity(
             f"bessel_legendre.delay_max_order{degree}",
             proved,
@@ -197,7 +195,7 @@ def analysis(case: Case, results: Results) -> None:
         lower=delay,
         upper=infeasible,
         source="(9)",
-        method="bisection over checked points; upper: an enclosure of the least gamma lies above gamma there",
+        method="root of the least gamma; lower: checked point, upper: an enclosure of the least gamma lies above gamma",
     )
     v = Structured(case.number("lambda1_corrected"), case.number("lambda2"))
     delay, infeasible = largest_delay(loop, gamma, limit, v, theorem1)
@@ -207,7 +205,7 @@ def analysis(case: Case, results: Results) -> None:
         lower=delay,
         upper=infeasible,
         source="(9), (25)",
-        method="bisection over checked points; upper: an enclosure of the least gamma lies above gamma there",
+        method="root of the least gamma; lower: checked point, upper: an enclosure of the least gamma lies above gamma",
     )
     results.say("(9)", f"least gamma {value:.7g}; certified at gamma = {gamma:g}")
 
@@ -271,22 +269,30 @@ def flexible_bounds(case: Case, results: Results) -> None:
         loop = craft.flexible_loop(K, L, mode)
         parts = loop.A, loop.Bd, loop.Cd
         limit = loop.quasi_polynomial.margin()
-
-        def hierarchy(h: float, degree: int, parts: tuple = parts) -> tuple:
-            return bessel_legendre(*parts, h, degree).blocks
-
-        conditions = {f"bessel_legendre_{k}": partial(hierarchy, degree=k) for k in (0, 1, 2)}
-        conditions["theorem1"] = lambda h, parts=parts: channel_blocks(*parts, h, mu)
-        for name, blocks in conditions.items():
-            proved, tried = proved_delay(blocks, 1.001 * limit.delay)
+        proved, beyond = 0.0, limit.upper
+        for degree in (0, 1, 2):  # what a degree proves, the next one proves too
+            condition = partial(bessel_legendre, *parts, degree=degree)
+            proved, refuted = turning_delay(condition, proved, limit.upper, FLEXIBLE_WIDTH)
+            beyond = refuted if degree == 0 else beyond
             results.quantity(
-                f"flexible.{name}.{mode}",
+                f"flexible.bessel_legendre_{degree}.{mode}",
                 proved,
                 lower=proved,
-                upper=limit.upper,
-                method=f"bisection over checked points, none found at {tried:.6g} s; upper: exact delay margin",
+                upper=refuted,
+                method="bisection over checked points; upper: checked multipliers refute the condition there",
                 source="(1), (4), (6)",
             )
+        # (9b) where z(t - d) = z(t - d_M) is the condition of degree 0 with S = Q1 + Q2, less mu Q2: what degree 0 does
+        # not prove, Theorem 1 does not prove
+        proved = delay_below(lambda h, parts=parts: channel_blocks(*parts, h, mu), beyond)
+        results.quantity(
+            f"flexible.theorem1.{mode}",
+            proved,
+            lower=proved,
+            upper=beyond,
+            method="checked point; upper: checked multipliers refute Jensen's condition, which (9b) implies",
+            source="(1), (4), (6), (9)",
+        )
         results.say("LMI delay bounds, flexible plant", f"{mode}: Theorem 1 proves {proved:.6g} s")
 
 

@@ -1,12 +1,30 @@
 """What Theorem 1 of zhang2013 gives for gains at hand: the least gamma, and the largest d_M."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Infimum, Program, Solved, Variable, block_diagonal, infimum, matrix, scalar, solve, symmetric
+from gainsay.lmi import (
+    Affine,
+    Definite,
+    Infimum,
+    Program,
+    Solved,
+    Variable,
+    block_diagonal,
+    infimum,
+    matrix,
+    scalar,
+    solve,
+    symmetric,
+)
+from gainsay.systems.delay import DelaySystem
+from gainsay.systems.delay_bounds import DelayCondition, level, proved_delay
+from gainsay.systems.delay_spectrum import hinf_norm
 from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.theorem1 import PARTS, Delayed, Functional, theorem1, without_slack
 
@@ -71,22 +89,25 @@ def lifted(loop: Delayed, values: dict) -> dict:
     return {**values, "P2": values["P1"], "P3": loop.d_M * values["R"]}
 
 
-_STEPS = (1e-7, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3)
-_WIDTH = 1e-7
+_STEPS = (1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3)
 
 
-def first_refuted(refuted: Callable[[float], bool], proved: float, limit: float) -> float:
-    """Return the first delay, s, in growing relative steps above `proved`, that is refuted; `limit` where none is.
+def first_refuted(refuted: Callable[[float], bool], near: float, limit: float, least: float = 0.0) -> float:
+    """Return the first delay, s, in growing relative steps above `near`, that is refuted; `limit` where none is.
 
     Parameters
     ----------
     refuted : callable
         Delay in s -> whether checked multipliers show that the condition has no solution there.
-    proved, limit : float
-        s; the condition holds at `proved` and cannot hold beyond `limit`.
+    near, limit : float
+        s; the condition holds up to about `near` and cannot hold beyond `limit`.
+    least : float
+        Least step taken.
     """
     for step in _STEPS:
-        delay = proved * (1 + step)
+        delay = near * (1 + step)
+        if step < least:
+            continue
         if delay >= limit:
             break
         try:
@@ -122,22 +143,64 @@ def largest_delay(
     """
     v = v or Functional(len(loop.A))
 
+    def room(d_M: float) -> float:
+        """1/gamma^2 less the one wanted: it falls to zero almost linearly, where gamma^2 itself grows without bound."""
+        try:
+            return 1 / least_gamma(replace(loop, d_M=d_M), v, form).value - gamma**-2
+        except ComputationError:
+            return -(gamma**-2)
+
     def holds(d_M: float) -> bool:
         at = replace(loop, d_M=d_M)
         held = [form(at, v, gamma**2, part) < 0 for part in PARTS]
-        found = solve(Program(subject_to=[*held, *v.positive], label="(9) for a gamma"))
-        if isinstance(found, Solved):
-            return True
-        try:
-            return least_gamma(at, v, form).upper < gamma**2
-        except ComputationError:
-            return False
+        return isinstance(solve(Program(subject_to=[*held, *v.positive], label="(9) for a gamma")), Solved)
 
-    low, high = 0.0, limit
-    while high - low > _WIDTH * limit:
-        middle = (low + high) / 2
-        low, high = (middle, high) if holds(middle) else (low, middle)
-    return low, first_refuted(lambda d: least_gamma(replace(loop, d_M=d), v, form).lower > gamma**2, low, limit)
+    root = float(brentq(room, limit / 2, limit, xtol=1e-6 * limit))
+    for step in _STEPS:
+        if step >= _LEAST and holds(root * (1 - step)):
+            refuted = first_refuted(
+                lambda d: least_gamma(replace(loop, d_M=d), v, form).lower > gamma**2, root, limit, _LEAST
+            )
+            return root * (1 - step), refuted
+    raise ComputationError("(9) for a gamma", f"no checked point a little below d_M = {root:.9g} s")
+
+
+_LEAST = 1e-5
+"""Least relative distance from the root at which a point or multipliers are asked for: nearer, both are noise."""
+
+
+def turning_delay(
+    condition: Callable[[float], DelayCondition], low: float, limit: float, relative: float
+) -> tuple[float, float]:
+    """Delays, s, between which a condition turns: a point of it is checked at the first, multipliers at the second.
+
+    Parameters
+    ----------
+    condition : callable
+        Delay in s -> the condition.
+    low, limit : float
+        s; it holds at `low` (0: not known of any), and cannot hold at `limit`.
+    relative : float
+        Width of the bisection, relative to the limit.
+    """
+    proved, _ = proved_delay(lambda h: condition(h).blocks, limit, relative, low)
+    return proved, first_refuted(lambda h: level(condition(h)).lower > 0, proved, limit, relative)
+
+
+def delay_below(blocks: Callable[[float], Sequence[Affine]], limit: float) -> float:
+    """Largest of the delays 2e-4, 1e-3 and 1e-2 of itself below a limit at which a point of a condition is checked, s.
+
+    Raises
+    ------
+    ComputationError
+        If there is none.
+    """
+    for room in (2e-4, 1e-3, 1e-2):
+        delay = limit * (1 - room)
+        held = [Definite(f"block {i}", block) for i, block in enumerate(blocks(delay))]
+        if isinstance(solve(Program(subject_to=held, label="delay condition")), Solved):
+            return delay
+    raise ComputationError("delay condition", f"no checked point a little below {limit:.9g} s")
 
 
 def point_at(loop: Delayed, gamma_squared: float) -> dict:
@@ -162,9 +225,11 @@ def flexible_point(
 ) -> tuple[dict, str]:
     """Return a point of (9) for the flexible loop from w1 to w2 - w2hat, and the gamma^2 it is for, as text.
 
-    gamma is 1.2 times the least one, which leaves room for rounding the point.
+    gamma^2 is the next power of ten above four times that of the exact norm at d_M, below which no point can be.
     """
     loop = craft.flexible_loop(K, L, mode)
-    given = Delayed(loop.A, loop.A1, loop.B, loop.C[:1] - loop.C[1:], np.zeros((1, 1)), d_M, mu)
-    gamma_squared = f"{1.44 * least_gamma(given).value:.6g}"
-    return lifted(given, point_at(given, float(gamma_squared))), gamma_squared
+    error = loop.C[:1] - loop.C[1:]
+    given = Delayed(loop.A, loop.A1, loop.B, error, np.zeros((1, 1)), d_M, mu)
+    norm = hinf_norm(DelaySystem(loop.A, loop.Bd, loop.Cd, loop.B, error), d_M).value
+    gamma_squared = 10.0 ** math.ceil(math.log10(4 * norm**2))
+    return lifted(given, point_at(given, gamma_squared)), f"{gamma_squared:g}"

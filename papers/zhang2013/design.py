@@ -1,6 +1,6 @@
 """Programs of Theorem 2 of zhang2013, and the search for a design that suits the flexible plant."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -16,6 +16,7 @@ from gainsay.lmi import (
     affine,
     equal,
     scalar,
+    scaling,
     solve,
     symmetric,
     trace,
@@ -184,35 +185,47 @@ def repaired_gains(craft: Spacecraft, K: np.ndarray, L: np.ndarray, d_M: float) 
     return candidate(low)
 
 
-PUSHES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
-"""Least eigenvalues asked of Farkas multipliers, widest first: room for rounding them to exact ones."""
-
-
 def farkas_multipliers(program: Program) -> dict[str, np.ndarray]:
     """Multipliers under which the constraints of an infeasible program sum to a constant that is not positive.
 
-    Solves the alternative directly: Z_k >= push I of total trace one, free of unknowns, of least constant, for the
-    widest of `PUSHES` that allows it. Near the boundary of infeasibility this is far better conditioned than reading
-    multipliers off a failed primal.
+    Solves the alternative directly, in the coordinates that the solver would use: Z_k of total trace one, free of
+    unknowns, with eigenvalues as large as that allows, so that there is room for rounding them to exact ones. Where
+    there are constants, half of that room is given up for the least sum.
 
     Raises
     ------
     ComputationError
         If no such multipliers are found; says nothing about the program then.
     """
-    Z = [symmetric(f"Z{k}", row.size) for k, row in enumerate(program.rows)]
-    rows = list(zip(program.rows, Z, strict=True))
-    free = [
-        equal(sum((trace(row.tensor[:, :, j] @ z) for row, z in rows), affine(0.0)), 0.0, f"unknown {j}")
-        for j in range(program.size)
-    ]
-    value = sum((trace(row.constant @ z) for row, z in rows), affine(0.0))
-    total = equal(sum((trace(z) for z in Z), affine(0.0)), 1.0, "total trace")
-    attempts: list[dict] = []
-    for push in PUSHES:
-        cone = [(z >= push * np.eye(z.shape[0])).named(z.name) for z in Z]
-        found = solve(Program(minimise=value, subject_to=[*free, total, *cone], label=f"alternative, {program.label}"))
-        attempts += found.attempts
-        if isinstance(found, Solved) and found.objective <= 0:
-            return {row.constraint.label: found[z.name] for row, z in rows}
-    raise ComputationError(program.label, "no multipliers of infeasibility found", attempts)
+    scale = scaling.first(program)
+    scaled = scaling.apply(program, scale)
+    Z, push = [symmetric(f"Z{k}", len(c)) for k, c in enumerate(scaled.constants)], scalar("push")
+
+    def total(weights: Iterable[np.ndarray]) -> Affine:
+        return sum((trace(w @ z) for w, z in zip(weights, Z, strict=True)), affine(0.0))
+
+    free = [equal(total(T[:, :, j] for T in scaled.tensors), 0.0, f"unknown {j}") for j in range(program.size)]
+    free.append(equal(total(np.eye(len(c)) for c in scaled.constants), 1.0, "total trace"))
+    value = total(scaled.constants)
+
+    def above(least: Affine | float) -> list:
+        return [(z >= least * np.eye(z.shape[0])).named(z.name) for z in Z]
+
+    def found(minimise: Affine, least: Affine | float, *others: object) -> Solved:
+        goal = Program(
+            minimise=minimise, subject_to=[*free, *above(least), *others], label=f"alternative, {program.label}"
+        )
+        point = solve(goal)
+        if not isinstance(point, Solved):
+            raise ComputationError(program.label, "no multipliers of infeasibility found", point.attempts)
+        return point
+
+    if any(np.any(constant) for constant in scaled.constants):
+        widest = found(-push, push, within(value, [[-ENTRY_BOUND]], [[0.0]], "sum"))
+        best = found(value, widest["push"] / 2)
+    else:
+        widest = best = found(-push, push)
+    if not (widest["push"] > 0 and value.value(best.values).item() <= 0):
+        raise ComputationError(program.label, "no multipliers of infeasibility found", best.attempts)
+    rows = zip(program.constraints, scale.rows, Z, strict=True)
+    return {constraint.label: best[z.name] * np.outer(d, d) for constraint, d, z in rows}

@@ -309,8 +309,9 @@ def repaired(case: Case, results: Results) -> None:
     K, L = case.designs["repaired"]["K"], case.designs["repaired"]["L"]
     stands = standing(craft, K, L, d_M)
     before = standing(craft, case.matrix("K"), case.matrix("L"), d_M)
-    if min(stands.margin_paper - before.margin_paper, stands.margin_all - before.margin_all) < 0:
-        raise ComputationError("repair", "designs/repaired.json loses delay margin: search it again")
+    gained = stands.margin_paper - before.margin_paper, stands.margin_all - before.margin_all
+    if min(*gained, before.abscissa - stands.abscissa) < 0:
+        raise ComputationError("repair", "designs/repaired.json loses delay margin or decay: search it again")
     results.quantity("repaired.delay_margin.paper", stands.margin_paper, method="quasi-polynomial", source="(1), (6)")
     results.quantity("repaired.delay_margin.all", stands.margin_all, method="quasi-polynomial", source="(1), (6)")
     loop = craft.flexible_loop(K, L, "paper")

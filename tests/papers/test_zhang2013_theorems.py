@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gainsay.errors import CertificateError
+from gainsay.errors import CertificateError, ComputationError
 from gainsay.lmi import Infimum, Program, Solved, infimum, scalar, solve
 from gainsay.systems.delay_bounds import bessel_legendre, level, proved_delay
 from gainsay.systems.delay_spectrum import hinf_norm
@@ -174,6 +174,37 @@ def test_delays_with_checked_points_and_checked_multipliers_meet():
         assert refuted - proved < 1e-5 * exact
 
 
+@given(seed=st.integers(0, 2**32 - 1), d_M=st.floats(0.01, 2.0), mu=st.floats(0.0, 0.9))
+@settings(max_examples=25)
+def test_9b_with_equal_delays_is_jensens_condition_less_mu_q2(seed, d_M, mu):
+    """Identity: Schur complement of the block of R, then z(t - d) = z(t - d_M); hence (9b) implies degree 0."""
+    rng = np.random.default_rng(seed)
+    A, Bd, Cd = rng.normal(size=(3, 3)), rng.normal(size=(3, 1)), rng.normal(size=(1, 3))
+    root = rng.normal(size=(3, 3))
+    P, (Q1, Q2, R) = root + root.T, rng.uniform(0.5, 2.0, (3, 1, 1))
+    F = -channel_blocks(A, Bd, Cd, d_M, mu)[1].value({"P1": P, "Q1": Q1, "Q2": Q2, "R": R})
+    core = F[:5, :5] - F[:5, 5:] @ np.linalg.solve(F[5:, 5:], F[5:, :5])
+    T = np.vstack([np.eye(4), np.eye(4)[3:]])
+    jensen = bessel_legendre(A, Bd, Cd, d_M, 0).derivative.value({"P": P, "S": Q1 + Q2, "R": R / d_M})
+    jensen[3, 3] += mu * Q2.item()
+    np.testing.assert_allclose(T.T @ core @ T, jensen, atol=1e-12 * np.abs(F).max() * (1 + d_M))
+
+
+def test_multipliers_of_contradicting_bounds_are_their_closed_form():
+    """x > 0 and -1 - x > 0 contradict each other with equal weights alone; the sum is -1 times the weight."""
+    x = scalar("x")
+    program = Program(subject_to=[(x > 0).named("above"), ((-x - 1) > 0).named("below")], label="bounds")
+    found = farkas_multipliers(program)
+    assert found["above"].item() == pytest.approx(found["below"].item(), rel=1e-9)
+    assert found["above"].item() > 0
+
+
+def test_a_feasible_program_has_no_multipliers():
+    x = scalar("x")
+    with pytest.raises(ComputationError, match="no multipliers"):
+        farkas_multipliers(Program(subject_to=[(x > 0).named("above"), ((1 - x) > 0).named("below")], label="bounds"))
+
+
 def test_first_refuted_is_the_limit_where_nothing_is_refuted():
     assert first_refuted(lambda h: False, 1.0, 2.0) == 2.0
     assert first_refuted(lambda h: True, 1.0, 1.0 + 1e-9) == 1.0 + 1e-9
@@ -190,7 +221,7 @@ def test_unsound_point_has_an_unstable_observer():
 
 
 def test_repaired_design_is_no_worse_than_the_printed_one_in_anything_counted():
-    design = np.array([[-5.7323, -9.687]]), np.array([[0.0, 133.1701]])
+    design = CASE.designs["repaired"]["K"], CASE.designs["repaired"]["L"]
     before, after = (standing(CRAFT, *gains, 0.03) for gains in ((K, L), design))
     assert after.margin_paper > before.margin_paper
     assert after.margin_all > before.margin_all

@@ -152,7 +152,7 @@ def bessel_legendre_delay(A: np.ndarray, Bd: np.ndarray, Cd: np.ndarray, degree:
 
 
 def proved_delay(
-    blocks: Callable[[float], Sequence[Affine]], limit: float, relative: float = 1e-4
+    blocks: Callable[[float], Sequence[Affine]], limit: float, relative: float = 1e-4, low: float = 0.0
 ) -> tuple[float, float]:
     """Largest delay at which a checked point of a condition is found, by bisection below a limit.
 
@@ -164,13 +164,15 @@ def proved_delay(
         Delay at which the condition cannot hold, s.
     relative : float
         Width of the final bracket.
+    low : float
+        Delay at which the condition is known to hold, s.
 
     Returns
     -------
     proved, tried : float
-        s; the condition is checked at `proved` (0 where it is nowhere), and no point was found at `tried`.
+        s; the condition is checked at `proved` (`low` where it is nowhere above), and no point was found at `tried`.
     """
-    low, high = 0.0, limit
+    high = limit
     while high - low > relative * limit:
         middle = (low + high) / 2
         held = [Definite(f"block {i}", block) for i, block in enumerate(blocks(middle))]
