@@ -10,16 +10,15 @@ from hypothesis import strategies as st
 from scipy.special import lambertw
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.systems.collocation import chebyshev
 from gainsay.systems.delay import DelaySystem, hurwitz
 from gainsay.systems.delay_bounds import (
     bessel_legendre,
-    bessel_legendre_delay,
     legendre_slopes,
     level,
     proved_delay,
 )
 from gainsay.systems.delay_spectrum import (
-    chebyshev,
     gain_stays_below,
     hinf_norm,
     rightmost_roots,
@@ -249,12 +248,17 @@ def test_legendre_slopes_are_those_of_integration_by_parts():
         assert left == pytest.approx(right, abs=1e-12)
 
 
+def proved(system: DelaySystem, degree: int, relative: float = 1e-4) -> tuple[float, float]:
+    """Delay that a degree of the hierarchy proves, and the next that was tried in vain, s."""
+    parts = system.A, system.Bd, system.Cd
+    limit = system.quasi_polynomial.margin().upper
+    return proved_delay(lambda h: bessel_legendre(*parts, h, degree).blocks, limit, relative)
+
+
 def test_bounds_grow_with_the_degree_towards_the_exact_margin():
     system = servo(1.0, 1.0)
     exact = system.quasi_polynomial.margin().delay
-    found = [
-        bessel_legendre_delay(system.A, system.Bd, system.Cd, degree, 0.3 * exact, 1.01 * exact) for degree in (0, 1)
-    ]
+    found = [proved(system, degree, 1e-3)[0] for degree in (0, 1)]
     assert all(a < b for a, b in pairwise([*found, exact]))
     assert found[1] > 0.99 * exact
 
@@ -274,30 +278,27 @@ def test_a_known_example_of_the_hierarchy():
     exact = math.acos(-0.9) / math.sqrt(1 - 0.81)
     assert exact == pytest.approx(6.1725, abs=1e-4)
     # Table 1 there: 4.472 for degree 0 (Jensen), 6.059 for degree 1
-    assert bessel_legendre_delay(system.A, system.Bd, system.Cd, 0, 1.0, 6.3) == pytest.approx(4.472, abs=1e-3)
-    assert bessel_legendre_delay(system.A, system.Bd, system.Cd, 1, 1.0, 6.3) == pytest.approx(6.059, abs=1e-3)
+    for degree, published in ((0, 4.472), (1, 6.059)):
+        low, high = proved(system, degree, 2e-4)
+        assert low <= published + 1e-3 and published - 1e-3 <= high
+        assert high - low < 2e-3
 
 
 def test_bounds_do_not_depend_on_the_coordinates():
     # the same servo with its rate in another unit: a congruence of every block
     system = servo(1.0, 1.0)
-    exact = system.quasi_polynomial.margin().delay
     T = np.diag([1.0, 3.0])
-    moved = np.linalg.solve(T, system.A @ T), np.linalg.solve(T, system.Bd), system.Cd @ T
-    one, two = (
-        bessel_legendre_delay(*parts, 0, 0.5 * exact, 1.01 * exact)
-        for parts in ((system.A, system.Bd, system.Cd), moved)
-    )
-    assert one == pytest.approx(two, rel=1e-6)
+    moved = DelaySystem(np.linalg.solve(T, system.A @ T), np.linalg.solve(T, system.Bd), system.Cd @ T)
+    assert proved(system, 0)[0] == pytest.approx(proved(moved, 0)[0], rel=2e-4)
 
 
 def test_one_channel_proves_as_much_as_the_whole_state():
     # S and R of the delayed signal against S and R of the state, as the hierarchy is published
     system = servo(1.0, 1.0)
-    exact = system.quasi_polynomial.margin().delay
-    forms = ((system.A, system.Bd, system.Cd), (system.A, system.A1, np.eye(2)))
-    channel, state = (bessel_legendre_delay(*parts, 1, 0.5 * exact, 1.01 * exact) for parts in forms)
-    assert channel == pytest.approx(state, rel=2e-5)
+    state = DelaySystem(system.A, system.A1, np.eye(2))
+    limit = system.quasi_polynomial.margin().upper
+    whole, _ = proved_delay(lambda h: bessel_legendre(state.A, state.Bd, state.Cd, h, 1).blocks, limit)
+    assert proved(system, 1)[0] == pytest.approx(whole, rel=2e-4)
 
 
 def test_proved_delay_ends_at_the_bound():
@@ -305,7 +306,8 @@ def test_proved_delay_ends_at_the_bound():
     parts = system.A, system.Bd, system.Cd
     exact = system.quasi_polynomial.margin().delay
     proved, tried = proved_delay(lambda h: bessel_legendre(*parts, h, 0).blocks, 1.01 * exact, 1e-3)
-    assert proved <= bessel_legendre_delay(*parts, 0, 0.5 * exact, 1.01 * exact) * (1 + 1e-6) <= tried * (1 + 1e-6)
+    # Jensen's condition for the servo: a longer delay than the bound is never proved
+    assert proved < exact
     assert tried - proved <= 1.01e-3 * exact
     unstable = DelaySystem([[1.0]], [[0.0]], [[1.0]])
     assert proved_delay(lambda h: bessel_legendre(unstable.A, unstable.Bd, unstable.Cd, h, 0).blocks, 1.0, 0.1)[0] == 0

@@ -105,6 +105,8 @@ def inertia_matrix(inertia) -> np.ndarray:
     """
     J = np.asarray(inertia, dtype=float)
     J = np.diag(J) if J.ndim == 1 else J
+    if not np.isfinite(J).all():
+        raise InputError("inertia", value=J.tolist(), expected="finite entries")
     if J.shape != (3, 3) or not np.allclose(J, J.T, rtol=1e-12, atol=0):
         raise InputError("inertia", value=J.shape, expected="three principal moments or a symmetric 3x3 matrix")
     moments = np.linalg.eigvalsh(J)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gainsay.dynamics.attitude import inertia_matrix
 from gainsay.errors import InputError
 
 
@@ -29,7 +30,8 @@ class FlexibleBody:
     Raises
     ------
     gainsay.errors.InputError
-        Where shapes do not fit, or the mass matrix [[J, F^T], [F, I]] is not positive definite.
+        Where shapes do not fit, an entry is not finite, J is not the inertia of a rigid body, a frequency is not
+        positive, a damping ratio is negative, or the mass matrix [[J, F^T], [F, I]] is not positive definite.
 
     References
     ----------
@@ -46,12 +48,22 @@ class FlexibleBody:
     frame_rate: np.ndarray | None = None
 
     def __post_init__(self) -> None:
+        if np.ndim(self.frequency) != 1:
+            raise InputError(field="frequency", value=np.shape(self.frequency), expected="one number a mode")
         modes = np.shape(self.frequency)[0]
-        shapes = {"inertia": (3, 3), "coupling": (modes, 3), "damping": (modes,)}
+        shapes = {"inertia": (3, 3), "coupling": (modes, 3), "frequency": (modes,), "damping": (modes,)}
         shapes |= {f: (3, 3) for f in ("gyroscopic", "stiffness", "frame_rate") if getattr(self, f) is not None}
         for field, expected in shapes.items():
             if np.shape(getattr(self, field)) != expected:
                 raise InputError(field=field, value=np.shape(getattr(self, field)), expected=f"shape {expected}")
+            if not np.isfinite(np.asarray(getattr(self, field), dtype=float)).all():
+                raise InputError(
+                    field=field, value=np.asarray(getattr(self, field)).tolist(), expected="finite entries"
+                )
+        inertia_matrix(self.inertia)
+        for field, floor, expected in (("frequency", 5e-324, "above 0 rad/s"), ("damping", 0.0, "at least 0")):
+            if np.any(np.asarray(getattr(self, field)) < floor):
+                raise InputError(field=field, value=np.asarray(getattr(self, field)).tolist(), expected=expected)
         if np.linalg.eigvalsh(self.mass_matrix())[0] <= 0:
             raise InputError("the mass matrix is not positive definite", field="coupling", expected="J - F^T F > 0")
 

@@ -16,9 +16,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gainsay.errors import InputError
+
+
+def _require_positive(**values: float) -> None:
+    for name, value in values.items():
+        if not (math.isfinite(value) and value > 0):
+            raise InputError("", field=name, value=value, expected="a positive finite number")
+
 
 def mean_motion(gravitational_parameter: float, semi_major_axis: float) -> float:
-    """Return the mean motion sqrt(mu / a^3), rad/s."""
+    """Return the mean motion sqrt(mu / a^3), rad/s; raises InputError unless both are positive."""
+    _require_positive(gravitational_parameter=gravitational_parameter, semi_major_axis=semi_major_axis)
     return math.sqrt(gravitational_parameter / semi_major_axis**3)
 
 
@@ -29,7 +38,14 @@ def clohessy_wiltshire(rate: float) -> np.ndarray:
     ----------
     rate : float
         Mean motion of the target, rad/s. States are position (m) and velocity (m/s) in LVLH.
+
+    Raises
+    ------
+    InputError
+        If the rate is not finite.
     """
+    if not math.isfinite(rate):
+        raise InputError("", field="rate", value=rate, expected="a finite number")
     A = np.zeros((6, 6))
     A[:3, 3:] = np.eye(3)
     A[3, 0], A[3, 4] = 3 * rate**2, 2 * rate
@@ -39,7 +55,8 @@ def clohessy_wiltshire(rate: float) -> np.ndarray:
 
 
 def thrust_input(mass: float) -> np.ndarray:
-    """Return the 6x3 input matrix of a force (N) along the LVLH axes on a mass (kg)."""
+    """Return the 6x3 input matrix of a force (N) along the LVLH axes on a mass (kg), which must be positive."""
+    _require_positive(mass=mass)
     return np.vstack([np.zeros((3, 3)), np.eye(3) / mass])
 
 
@@ -54,11 +71,22 @@ class KeplerOrbit:
     semi_major_axis : float
         m.
     eccentricity : float
+        At least 0, below 1.
+
+    Raises
+    ------
+    InputError
+        If the first two are not positive, or the eccentricity is not that of an ellipse.
     """
 
     gravitational_parameter: float
     semi_major_axis: float
     eccentricity: float
+
+    def __post_init__(self) -> None:
+        _require_positive(gravitational_parameter=self.gravitational_parameter, semi_major_axis=self.semi_major_axis)
+        if not 0 <= self.eccentricity < 1:
+            raise InputError("", field="eccentricity", value=self.eccentricity, expected="at least 0, below 1")
 
     @property
     def mean_motion(self) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
-from gainsay.errors import ComputationError
+from gainsay.errors import ComputationError, InputError
 
 Function = Callable[[float, np.ndarray], np.ndarray]
 _NUDGE = 1e-9
@@ -84,19 +84,32 @@ def integrate(
 
     Raises
     ------
+    InputError
+        If the start, its derivative or the end is not finite, or the end does not lie after zero.
     ComputationError
-        If the integrator gives up, with the time at which it did.
+        If the integrator gives up or the state ceases to be finite, with the time at which it did.
     """
+    _require_start(right_hand_side, start, end)
     for kink in kinks:
         kink.terminal = True  # type: ignore[attr-defined]  # solve_ivp's own convention
     time, state = 0.0, np.asarray(start, dtype=float)
     ends, pieces, steps = [0.0], [], [np.array([0.0])]
     while time < end:
         found = solve_ivp(
-            right_hand_side, (time, end), state, method, rtol=rtol, atol=atol, dense_output=True, events=kinks or None
+            _guarded(right_hand_side),
+            (time, end),
+            state,
+            method,
+            rtol=rtol,
+            atol=atol,
+            dense_output=True,
+            events=kinks or None,
         )
         if found.status < 0:
             raise ComputationError("integration", f"{method} gave up at t = {float(found.t[-1])!r} s: {found.message}")
+        if not np.isfinite(found.y).all():
+            lost = float(found.t[~np.isfinite(found.y).all(axis=0)][0])
+            raise ComputationError("integration", f"the state is not finite at t = {lost!r} s")
         pieces.append(found.sol)
         steps.append(found.t[1:])
         time, state = float(found.t[-1]), found.y[:, -1]
@@ -108,6 +121,34 @@ def integrate(
         if len(pieces) > _MAX_KINKS:
             raise ComputationError("integration", f"more than {_MAX_KINKS} kinks before t = {time!r} s")
     return Trajectory(np.array(ends), tuple(pieces), np.concatenate(steps))
+
+
+def _require_start(right_hand_side: Function, start: np.ndarray, end: float) -> None:
+    if not (np.isfinite(end) and end > 0):
+        raise InputError("", field="end", value=end, expected="a finite time after 0 s")
+    state = np.asarray(start, dtype=float)
+    if state.ndim != 1 or not np.isfinite(state).all():
+        raise InputError("", field="start", value=state.tolist(), expected="one finite number a state")
+    slope = np.asarray(right_hand_side(0.0, state), dtype=float)
+    if slope.shape != state.shape or not np.isfinite(slope).all():
+        raise InputError(
+            "", field="derivative at the start", value=slope.tolist(), expected="one finite number a state"
+        )
+
+
+def _guarded(right_hand_side: Function) -> Function:
+    """The right-hand side, which ends the integration where a time or state that is not a number is asked for.
+
+    An integrator whose step has become nan would go on for ever; infinite trial values may still be rejected by it.
+    """
+
+    def guarded(t: float, x: np.ndarray) -> np.ndarray:
+        slope = right_hand_side(t, x)
+        if np.isnan(slope).any():
+            raise ComputationError("integration", f"the derivative is not a number at t = {float(t)!r} s")
+        return slope
+
+    return guarded
 
 
 def largest(

@@ -5,7 +5,7 @@ roots of an integer polynomial, and the delays at which they happen are enclosed
 that hold for the matrices as given; give fractions rather than floats where the data are decimal.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -294,16 +294,3 @@ def _down(ball: arb) -> float:
 
 def _up(ball: arb) -> float:
     return float(np.nextafter(float(ball.upper()), np.inf))
-
-
-def feedback_delayed(A: Sequence, Bu: Sequence, K: Sequence, **signals: object) -> DelaySystem:
-    """Return the loop x' = A x + Bu K x(t - d): the state feedback of a plant whose input is delayed.
-
-    Parameters
-    ----------
-    A, Bu, K : array_like
-        Shapes (n, n), (n, r), (r, n).
-    **signals
-        B, C, D of `DelaySystem`.
-    """
-    return DelaySystem(A, Bu, K, **signals)

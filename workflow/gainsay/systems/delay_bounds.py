@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.lmi import (
@@ -124,31 +123,6 @@ def level(condition: DelayCondition) -> Infimum:
     if not isinstance(found, Infimum):
         raise ComputationError("delay condition", f"{type(found).__name__.lower()}", found.attempts)
     return found
-
-
-def first_failure(measure: Callable[[float], float], low: float, high: float, precision: float = 1e-9) -> float:
-    """Delay at which a measure that is positive at `low` and negative at `high` changes sign, s."""
-    if not measure(low) > 0 > measure(high):
-        raise ComputationError("delay bound", f"no change of sign between {low:g} and {high:g} s")
-    return float(brentq(measure, low, high, xtol=precision, rtol=1e-12))
-
-
-def bessel_legendre_delay(A: np.ndarray, Bd: np.ndarray, Cd: np.ndarray, degree: int, low: float, high: float) -> float:
-    """Largest constant delay up to which the condition of a degree holds, s.
-
-    The margin crosses zero so flatly that a solver's noise moves the crossing by up to 1e-5 of it. Where some part of
-    the system is stable whatever the delay, the margin stays at zero beyond the bound instead of crossing it: use
-    `proved_delay` there.
-
-    Parameters
-    ----------
-    A, Bd, Cd : ndarray
-        As in `bessel_legendre`.
-    degree : int
-    low, high : float
-        Delays at which it holds and fails, s.
-    """
-    return first_failure(lambda h: -level(bessel_legendre(A, Bd, Cd, h, degree)).value, low, high)
 
 
 def proved_delay(

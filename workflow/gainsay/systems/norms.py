@@ -1,41 +1,41 @@
-"""H-infinity and H2 norms of stable systems, and the bounded real lemma's certificate matrix.
+"""H-infinity and H2 norms of stable systems in continuous and discrete time, and the bounded real lemma's matrix.
 
 References
 ----------
 Boyd, Balakrishnan, Kabamba, Mathematics of Control, Signals and Systems 2 (1989) 207-219: the Hamiltonian test.
-Bruinsma, Steinbuch, Systems & Control Letters 14 (1990) 287-293: the two-step iteration.
+K. Zhou, J. C. Doyle, K. Glover, Robust and Optimal Control, 1996, section 21.2: the bilinear transformation.
 """
 
 import warnings
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+from flint import fmpq_mat
 from scipy.linalg import eig, solve_continuous_are, solve_continuous_lyapunov
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.systems.norm_bounds import NormBounds, h2_bounds, hinf_bounds, identity
+from gainsay.systems.spectrum import rational, require_hurwitz, require_schur
 from gainsay.systems.statespace import StateSpace
 
-_LIMIT = 60
 
-
-def hinf_norm(A, B, C, D=None, *, tolerance: float = 1e-10) -> tuple[float, float]:
-    """H-infinity norm of a stable system, by the Hamiltonian test.
-
-    The value is the gain at the returned frequency, hence a lower bound. It is also the norm to (1 + 2 tolerance):
-    at that level no eigenvalue of the Hamiltonian pencil is a crossing, every one near the imaginary axis being
-    judged by the gain of the system at its frequency.
+def hinf_norm(A, B, C, D=None, *, tolerance: float = 1e-10, sample: float | None = None) -> tuple[float, float]:
+    """H-infinity norm of a stable system.
 
     Parameters
     ----------
     A, B, C, D : array_like
         Shapes (n, n), (n, m), (p, n), (p, m); D is zero where None.
     tolerance : float
-        Relative width of the final enclosure.
+        The norm is at most (1 + 2 tolerance) times the value, which is proved.
+    sample : float, optional
+        Sampling time, s, of a system in discrete time; continuous time where None.
 
     Returns
     -------
     norm : float
-        The norm.
+        The gain at the returned frequency, rounded down.
     frequency : float
         Angular frequency, rad/s, at which it is attained; infinity where it is the norm of D.
 
@@ -44,45 +44,87 @@ def hinf_norm(A, B, C, D=None, *, tolerance: float = 1e-10) -> tuple[float, floa
     InputError
         If the system is unstable or shapes do not fit.
     ComputationError
-        If the iteration does not end.
+        If stability or the norm cannot be settled.
+
+    Examples
+    --------
+    >>> hinf_norm([[-2.0]], [[1.0]], [[1.0]])
+    (0.5, 0.0)
     """
+    bounds = hinf_enclosure(A, B, C, D, tolerance=tolerance, sample=sample)
+    return bounds.lower, bounds.frequency
+
+
+def hinf_enclosure(A, B, C, D=None, *, tolerance: float = 1e-10, sample: float | None = None) -> NormBounds:
+    """H-infinity norm of a stable system between two proved ends, (1 + 2 tolerance) apart; see `hinf_norm`."""
+    if not 0 < tolerance < 1:
+        raise InputError("", field="tolerance", value=tolerance, expected="between 0 and 1")
     system = StateSpace(A, B, C, D)
-    system.require_stable("H-infinity norm")
+    exact = _exact(system)
+    if not (system.B.shape[1] and system.C.shape[0]):
+        raise InputError("a norm needs inputs and outputs", field="B, C", value=(system.B.shape, system.C.shape))
+    if sample is None:
+        require_hurwitz(system.A, "H-infinity norm")
+        return hinf_bounds(*exact, _likely_peaks(system), width=2 * tolerance)
+    _require_sample(sample)
+    require_schur(system.A, "H-infinity norm")
+    moved = _bilinear(*exact)
+    floats = StateSpace(
+        *(np.array(M.tolist(), dtype=object).astype(float).reshape(M.nrows(), M.ncols()) for M in moved)
+    )
+    bounds = hinf_bounds(*moved, _likely_peaks(floats), width=2 * tolerance)
+    return replace(bounds, frequency=float(2 * np.arctan(bounds.frequency) / sample))
+
+
+def _exact(system: StateSpace) -> tuple[fmpq_mat, fmpq_mat, fmpq_mat, fmpq_mat]:
+    return tuple(rational(M) for M in (system.A, system.B, system.C, system.D))
+
+
+def _require_sample(sample: float) -> None:
+    if not (np.isfinite(sample) and sample > 0):
+        raise InputError("", field="sample", value=sample, expected="a positive time, s")
+
+
+def _bilinear(A: fmpq_mat, B: fmpq_mat, C: fmpq_mat, D: fmpq_mat) -> tuple[fmpq_mat, ...]:
+    """Continuous system with the response at s of the discrete one at z = (1 + s)/(1 - s); -1 is no eigenvalue of A."""
+    inverse = (A + identity(A.nrows())).inv()
+    return (A - identity(A.nrows())) * inverse, 2 * inverse * B, C * inverse, D - C * inverse * B
+
+
+def _likely_peaks(system: StateSpace) -> list[float]:
+    """Frequency of the largest gain over the poles' frequencies and a coarse grid around them, by rounded numbers."""
     system = system.balanced()
-    best, frequency = _first_guess(system)
-    if best == 0.0:
-        return 0.0, 0.0
-    for _ in range(_LIMIT):
-        level = best * (1 + 2 * tolerance)
-        crossings = _crossings(system, level)
-        middles = [0.5 * (a + b) for a, b in pairwise(crossings)] + crossings
-        highest = max(((system.gain(w), w) for w in middles), default=(0.0, 0.0))
-        best, frequency = max((best, frequency), highest)
-        if highest[0] <= level:
-            return best, frequency
-    raise ComputationError("H-infinity norm", f"no convergence in {_LIMIT} Hamiltonian tests, lower bound {best!r}")
-
-
-def _first_guess(system: StateSpace) -> tuple[float, float]:
-    """Largest gain over zero, infinity, the poles' frequencies and a coarse grid around them, with its frequency."""
     poles = np.linalg.eigvals(system.A)
     sizes = np.abs(poles)
-    grid = np.geomspace(sizes.min() / 30, 30 * sizes.max(), 40)
-    candidates = {0.0, np.inf, *sizes.tolist(), *np.abs(poles.imag).tolist(), *grid.tolist()}
-    return max((system.gain(w), w) for w in sorted(candidates))
+    grid = np.geomspace(max(sizes.min() / 30, 1e-300), 30 * sizes.max() + 1e-300, 40)
+    candidates = {0.0, *sizes.tolist(), *np.abs(poles.imag).tolist(), *grid.tolist()}
+    best, shift = 0.0, 0.0
+    for w in sorted(candidates):
+        try:
+            gain = system.gain(w)
+        except np.linalg.LinAlgError:  # a pole to rounding
+            continue
+        if gain > best:
+            best, shift = gain, w
+    return [shift, *_level_guesses(system, best)] if best > 0 else [shift]
 
 
-def _crossings(system: StateSpace, level: float) -> list[float]:
-    """Frequencies w >= 0 where the response may have `level` as a singular value, in ascending order.
-
-    A double eigenvalue on the axis splits off it by the square root of the rounding error, so that everything
-    near the axis is returned; the caller judges by the gain there.
-    """
-    numerators, denominators = eig(*_hamiltonian_pencil(system, level), right=False, homogeneous_eigvals=True)
-    finite = np.abs(denominators) > 1e-14 * np.abs(numerators)
-    eigenvalues = numerators[finite] / denominators[finite]
-    near = eigenvalues[np.abs(eigenvalues.real) <= 1e-4 * np.abs(eigenvalues) + 1e-300]
-    return sorted({abs(float(w)) for w in near.imag})
+def _level_guesses(system: StateSpace, best: float) -> list[float]:
+    """Frequencies between the crossings of levels that rise to the peak, by rounded numbers: guesses, no more."""
+    guess = []
+    for _ in range(12):
+        numerators, denominators = eig(
+            *_hamiltonian_pencil(system, best * (1 + 1e-9)), right=False, homogeneous_eigvals=True
+        )
+        finite = np.abs(denominators) > 1e-14 * np.abs(numerators)
+        values = numerators[finite] / denominators[finite]
+        near = np.unique(np.abs(values[np.abs(values.real) <= 1e-6 * np.abs(values)].imag))
+        middles = [0.5 * (a + b) for a, b in pairwise(near)] + list(near)
+        gain, place = max(((system.gain(w), float(w)) for w in middles), default=(0.0, 0.0))
+        if not gain > best * (1 + 1e-9):
+            break
+        best, guess = gain, [place]
+    return guess
 
 
 def _hamiltonian_pencil(system: StateSpace, level: float) -> tuple[np.ndarray, np.ndarray]:
@@ -104,38 +146,78 @@ def _hamiltonian_pencil(system: StateSpace, level: float) -> tuple[np.ndarray, n
     return M, np.diag(np.concatenate([np.ones(2 * n), np.zeros(m + p)]))
 
 
-def h2_norm(A, B, C, D=None) -> float:
-    """H2 norm of a stable, strictly proper system: square root of trace C P C' with the controllability Gramian P.
+def h2_norm(A, B, C, D=None, *, sample: float | None = None) -> float:
+    """H2 norm of a stable system: square root of trace C P C' (and D D') with the controllability Gramian P.
 
     Parameters
     ----------
     A, B, C : array_like
         Shapes (n, n), (n, m), (p, n).
     D : array_like, shape (p, m), optional
-        Must be zero where given.
+        Must be zero where given, in continuous time.
+    sample : float, optional
+        Sampling time, s, of a system in discrete time; continuous time where None.
 
     Returns
     -------
     float
+        Right to 1e-9 relative: where rounding could have done more, the Gramian is computed exactly.
 
     Raises
     ------
     InputError
-        If the system is unstable or D is not zero (the norm is infinite).
+        If the system is unstable or, in continuous time, D is not zero (the norm is infinite).
     ComputationError
-        If the value by the observability Gramian differs by more than 1e-8 relative.
+        If stability cannot be settled.
     """
     system = StateSpace(A, B, C, D)
-    system.require_stable("H2 norm")
+    if sample is None:
+        value = _rounded_h2(system)
+        if value is not None:
+            return value
+    bounds = h2_enclosure(A, B, C, D, sample=sample)
+    return 0.5 * (bounds.lower + bounds.upper)
+
+
+def h2_enclosure(A, B, C, D=None, *, sample: float | None = None) -> NormBounds:
+    """H2 norm of a stable system between two proved ends, equal but for rounding; see `h2_norm`."""
+    system = StateSpace(A, B, C, D)
+    exact = _exact(system)
+    if sample is None:
+        _require_strictly_proper(system)
+        require_hurwitz(system.A, "H2 norm")
+        return h2_bounds(*exact)
+    _require_sample(sample)
+    require_schur(system.A, "H2 norm")
+    return h2_bounds(*exact, discrete=True)
+
+
+def _require_strictly_proper(system: StateSpace) -> None:
     if np.any(system.D):
         raise InputError("H2 norm of a system with feedthrough is infinite", field="D", expected="zero")
+
+
+def _rounded_h2(system: StateSpace) -> float | None:
+    """The norm from a Gramian in double precision, None where its residual does not prove nine digits.
+
+    With R the residual of P and Q the other Gramian, the square of the norm is off by trace Q R.
+    """
+    _require_strictly_proper(system)
     system = system.balanced()
-    P = solve_continuous_lyapunov(system.A, -system.B @ system.B.T)
-    Q = solve_continuous_lyapunov(system.A.T, -system.C.T @ system.C)
-    by_inputs, by_outputs = np.trace(system.C @ P @ system.C.T), np.trace(system.B.T @ Q @ system.B)
-    if abs(by_inputs - by_outputs) > 2e-8 * abs(by_outputs):
-        raise ComputationError("H2 norm", f"the two Gramians give squares {by_inputs!r} and {by_outputs!r}")
-    return float(np.sqrt(max(by_inputs, 0.0)))
+    A, B, C = system.A, system.B, system.C
+    n, eps = len(A), np.finfo(float).eps
+    poles, T = np.linalg.eig(A)
+    # Bauer and Fike: no eigenvalue of A is farther to the right of the computed ones than this
+    slack = 10 * n * eps * np.linalg.norm(A) * np.linalg.cond(T)
+    if not poles.real.max() + 1e4 * slack < 0:
+        return None
+    P = solve_continuous_lyapunov(A, -B @ B.T)
+    Q = solve_continuous_lyapunov(A.T, -C.T @ C)
+    square = float(np.trace(C @ P @ C.T))
+    residual = np.linalg.norm(A @ P + P @ A.T + B @ B.T) + 4 * n * eps * np.linalg.norm(A) * np.linalg.norm(P)
+    if not abs(np.trace(Q)) * residual + 4 * n * eps * np.sum(np.abs(C) @ np.abs(P) * np.abs(C)) < 1e-9 * square:
+        return None
+    return float(np.sqrt(square))
 
 
 def bounded_real_matrix(A, B, C, D, P, gamma: float) -> np.ndarray:

@@ -89,17 +89,6 @@ class StateSpace:
         for name, matrix in zip("ABCD", (A, B, C, D), strict=True):
             object.__setattr__(self, name, matrix)
 
-    @property
-    def is_stable(self) -> bool:
-        """Whether every eigenvalue of A lies strictly in the left half plane."""
-        return spectral_abscissa(self.A) < 0
-
-    def require_stable(self, what: str = "norm") -> None:
-        """Raise InputError, naming the spectral abscissa, unless the system is stable."""
-        abscissa = spectral_abscissa(self.A)
-        if abscissa >= 0:
-            raise InputError(f"{what} of an unstable system: spectral abscissa", value=abscissa, expected="below 0")
-
     def response(self, frequency: float) -> np.ndarray:
         """Frequency response C (j w I - A)^-1 B + D.
 
