@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from flint import fmpq
 from scipy.optimize import brentq
 
 from gainsay.errors import ComputationError
@@ -24,7 +25,7 @@ from gainsay.lmi import (
 )
 from gainsay.systems.delay import DelaySystem
 from gainsay.systems.delay_bounds import DelayCondition, level, proved_delay
-from gainsay.systems.delay_spectrum import hinf_norm
+from gainsay.systems.delay_spectrum import gain_stays_below, hinf_norm
 from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.theorem1 import PARTS, Delayed, Functional, theorem1, without_slack
 
@@ -165,7 +166,7 @@ def largest_delay(
     raise ComputationError("(9) for a gamma", f"no checked point a little below d_M = {root:.9g} s")
 
 
-_LEAST = 1e-5
+_LEAST = 1e-4
 """Least relative distance from the root at which a point or multipliers are asked for: nearer, both are noise."""
 
 
@@ -201,6 +202,31 @@ def delay_below(blocks: Callable[[float], Sequence[Affine]], limit: float) -> fl
         if isinstance(solve(Program(subject_to=held, label="delay condition")), Solved):
             return delay
     raise ComputationError("delay condition", f"no checked point a little below {limit:.9g} s")
+
+
+NORM_ROOM = 1e-7
+"""Relative room between a norm and the level proved above it."""
+
+
+def enclosed_norm(loop: DelaySystem, delay: fmpq) -> dict[str, object]:
+    """Value, lower, upper and method of the norm of a loop under a constant delay; `results.quantity` takes them.
+
+    Raises
+    ------
+    ComputationError
+        If the gain is not proved to stay below the level.
+    """
+    peak = hinf_norm(loop, float(delay.p) / float(delay.q))
+    level = peak.value * (1 + NORM_ROOM)
+    if not gain_stays_below(loop, delay, fmpq(round(level * 10**15), 10**15)):
+        raise ComputationError("norm", f"the gain exceeds {level!r}")
+    return {
+        "value": peak.value,
+        "lower": peak.value * (1 - 1e-13),
+        "upper": level,
+        "method": f"level sets and exact response, peak at {peak.frequency:.7g} rad/s; upper: balls over "
+        "all frequencies",
+    }
 
 
 def point_at(loop: Delayed, gamma_squared: float) -> dict:

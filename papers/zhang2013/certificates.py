@@ -35,6 +35,19 @@ OFFSETS = {row: sum(size_of(r) for r in ROWS[:i]) for i, row in enumerate(ROWS)}
 CORE = ("x", "x'", "x_d", "x_M")
 
 
+def enclosure(proved: Certificate) -> dict[str, float]:
+    """Value, lower and upper of the quantity that a certificate encloses; `results.quantity` takes them.
+
+    The ends are the doubles next to the value, where the enclosure is narrower than those.
+    """
+    low, high = next(
+        map(Fraction, found.value.split("..")) for found in proved.conclusions if found.relation == "inside"
+    )
+    value = float((low + high) / 2)
+    lower, upper = (np.nextafter(value, end) for end in (-np.inf, np.inf))
+    return {"value": value, "lower": float(min(lower, float(low))), "upper": float(max(upper, float(high)))}
+
+
 def scalars(lambda1: str) -> tuple[tuple[str, str], ...]:
     """Definitions of l1 and l2; lambda1 as a formula."""
     return (("l1", lambda1), ("l2", "number('lambda2')"))
@@ -62,7 +75,7 @@ def point_for(names: Mapping[str, Mapping], seed: int = 1) -> dict[str, list]:
     return point
 
 
-def norm_without_delay(case, value: float, claims: Sequence[str] = ()) -> Certificate:
+def norm_without_delay(case, value: float) -> Certificate:
     """Bounded real lemma for (7) without delay: the norm is below `value` and the loop stable."""
     definitions = [*PLANT, *gains("printed('K')", "printed('L')")]
     from papers.zhang2013.plant import Spacecraft
@@ -75,7 +88,6 @@ def norm_without_delay(case, value: float, claims: Sequence[str] = ()) -> Certif
         id="hinf-delay-0",
         paper=PAPER,
         tables=case,
-        claims=claims,
         statement="The norm of (7) without delay is below this level, and the loop is stable.",
         definitions=definitions,
         witness={"P": P},
@@ -113,7 +125,7 @@ def negative_form(case) -> Certificate:
     )
 
 
-def printed_sign_infeasible(case, edition: str, quantity: str, claims: Sequence[str] = ()) -> Certificate:
+def printed_sign_infeasible(case, edition: str, quantity: str) -> Certificate:
     """(23) has no solution at the printed lambda1 = -0.12: the form of `negative_form` as Farkas multipliers."""
     l1, d_M, mu = case.exact("lambda1"), case.exact("d_M"), case.exact("mu")
     z = [Fraction(0)] * 15
@@ -130,7 +142,6 @@ def printed_sign_infeasible(case, edition: str, quantity: str, claims: Sequence[
         id=f"lambda1-sign-{edition}",
         paper=PAPER,
         tables=case,
-        claims=claims,
         statement=f"(23), {edition}, has no solution at the printed lambda1 = -0.12.",
         definitions=[*PLANT, *scalars("number('lambda1')")],
         unknowns=UNKNOWNS23,
@@ -156,13 +167,12 @@ def infeasible(case, name: str, edition: str, lambda1: str, multipliers: Mapping
     )
 
 
-def feasible(case, name: str, edition: str, lambda1: str, point: Mapping, quantity: str, claims=()) -> Certificate:
+def feasible(case, name: str, edition: str, lambda1: str, point: Mapping, quantity: str) -> Certificate:
     """(23) has a solution."""
     return feasible_point(
         id=name,
         paper=PAPER,
         tables=case,
-        claims=claims,
         definitions=[*PLANT, *scalars(lambda1)],
         statement=f"(23), {edition}, is feasible at lambda1 = {lambda1}.",
         unknowns=UNKNOWNS23,
@@ -172,9 +182,7 @@ def feasible(case, name: str, edition: str, lambda1: str, point: Mapping, quanti
     )
 
 
-def accepted(
-    case, name: str, edition: str, lambda1: str, K: str, L: str, point: Mapping, quantity: str, claims=()
-) -> Certificate:
+def accepted(case, name: str, edition: str, lambda1: str, K: str, L: str, point: Mapping, quantity: str) -> Certificate:
     """(23) holds with M = K X and N = P22' L for given gains (formulas)."""
     unknowns = {key: raw for key, raw in UNKNOWNS23.items() if key not in ("M", "N")}
     derived = (("M", f"{K} @ X"), ("N", f"P22.T @ {L}"))
@@ -182,7 +190,6 @@ def accepted(
         id=name,
         paper=PAPER,
         tables=case,
-        claims=claims,
         definitions=[*PLANT, *scalars(lambda1), *derived],
         statement=f"(23), {edition}, accepts K = {K}, L = {L} at lambda1 = {lambda1}.",
         unknowns=unknowns,
@@ -221,7 +228,6 @@ def theorem1(
     quantity: str,
     *,
     mode: str = "",
-    claims=(),
     gamma_squared: str = GAMMA,
 ) -> Certificate:
     """(9a), (9b) hold for given gains on the design model, or with a mode on the flexible plant (input w1 alone)."""
@@ -237,7 +243,6 @@ def theorem1(
         id=name,
         paper=PAPER,
         tables=case,
-        claims=claims,
         definitions=definitions,
         unknowns=unknowns,
         statement=f"(9a) and (9b) hold for K = {K}, L = {L} on the {where}.",

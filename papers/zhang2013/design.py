@@ -25,9 +25,10 @@ from gainsay.lmi import (
 from gainsay.systems.delay_spectrum import spectral_abscissa
 from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.theorem1 import PARTS
-from papers.zhang2013.theorem2 import EDITIONS, Setting, Unknowns, corrected
+from papers.zhang2013.theorem2 import EDITIONS, FREE, SYMMETRIC, Setting, Unknowns, corrected
 
 Edition = Callable[..., BlockMatrix]
+NAMES = (*SYMMETRIC, *FREE)
 ENTRY_BOUND = 1e4
 """Bound on the modulus of every entry of every unknown where a margin is maximised."""
 
@@ -50,9 +51,23 @@ def inequalities(s: Setting, v: Unknowns, edition: Edition, level: Affine | floa
     return held + [(x > level * np.eye(x.shape[0])).named(f"{x.name} > 0") for x in v.signed]
 
 
-def entries(v: Unknowns, bound: float = ENTRY_BOUND) -> list:
-    """Every entry of every unknown at most `bound` in modulus."""
-    return [within(x, -bound * np.ones(x.shape), bound * np.ones(x.shape), x.name) for x in v.every]
+def entries(v: Unknowns | SimpleNamespace, bound: float = ENTRY_BOUND, names: Iterable[str] = NAMES) -> list:
+    """Every entry of the unknowns of these names at most `bound` in modulus."""
+    named = {name: getattr(v, name) for name in names}
+    return [within(x, -bound * np.ones(x.shape), bound * np.ones(x.shape), name) for name, x in named.items()]
+
+
+Gains = tuple[np.ndarray, np.ndarray]
+
+
+def unknowns(gains: Gains | None = None) -> Unknowns | SimpleNamespace:
+    """The unknowns of (23); for given gains K, L with M = K X and N = P22' L, as (24) has it."""
+    v = Unknowns()
+    if gains is None:
+        return v
+    K, L = (np.asarray(gain, dtype=float) for gain in gains)
+    free = {name: getattr(v, name) for name in NAMES}
+    return SimpleNamespace(**(free | {"M": K @ v.X, "N": v.P22.T @ L}), signed=v.signed)
 
 
 def margin_program(s: Setting, edition: str) -> Program:
@@ -70,21 +85,22 @@ def column(x: Affine) -> Affine:
     return Affine(x.constant.reshape(-1, 1), terms)
 
 
-def least_squares_program(s: Setting, level: float = 1e-3) -> Program:
+def least_squares_program(s: Setting, gains: Gains | None = None, level: float = 1e-3) -> Program:
     """Least sum of squared entries of all unknowns of the corrected (23), `inequalities` at a level."""
-    v, total = Unknowns(), scalar("total")
-    norm = BlockMatrix("sum of squares", "total", *(x.name for x in v.every))
+    v, total = unknowns(gains), scalar("total")
+    norm = BlockMatrix("sum of squares", "total", *NAMES)
     norm["total", "total"] = total
-    for x in v.every:
-        norm["total", x.name] = column(x).T
-        norm[x.name, x.name] = np.eye(x.shape[0] * x.shape[1])
+    for name in NAMES:
+        x = getattr(v, name)
+        norm["total", name] = column(x).T
+        norm[name, name] = np.eye(x.shape[0] * x.shape[1])
     held = inequalities(s, v, corrected, level)
     return Program(minimise=total, subject_to=[*held, norm > 0], label="(23) least squares")
 
 
-def fast_program(s: Setting, level: float = 1e-4, bound: float = 100.0) -> Program:
+def fast_program(s: Setting, gains: Gains | None = None, level: float = 1e-4, bound: float = 100.0) -> Program:
     """Least gamma^2 of the corrected (23), `inequalities` at a level and entries within a bound."""
-    v, gamma_squared = Unknowns(), scalar("gamma2")
+    v, gamma_squared = unknowns(gains), scalar("gamma2")
 
     def edition(s: Setting, v: Unknowns, part: str) -> BlockMatrix:
         F = corrected(s, v, part)
@@ -108,15 +124,10 @@ def unsound_program(s: Setting, edition: Edition, push: float = 1.0) -> Program:
 
 def acceptance_program(s: Setting, K: np.ndarray, L: np.ndarray, edition: Edition) -> Program:
     """Largest margin of the LMIs for given gains: M = K X and N = P22' L."""
-    v, t = Unknowns(), scalar("t")
-    given = SimpleNamespace(**{x.name: x for x in v.every})
-    given.M, given.N = np.asarray(K, dtype=float) @ v.X, v.P22.T @ np.asarray(L, dtype=float)
-    given.signed = v.signed
-    held = inequalities(s, given, edition, t)
-    free = [x for x in v.every if x.name not in ("M", "N")]
-    size = [within(x, -ENTRY_BOUND * np.ones(x.shape), ENTRY_BOUND * np.ones(x.shape), x.name) for x in free]
+    v, t = unknowns((K, L)), scalar("t")
+    size = entries(v, names=[name for name in NAMES if name not in ("M", "N")])
     cap = within(t, [[-ENTRY_BOUND]], [[1.0]], "t")
-    return Program(minimise=-t, subject_to=[*held, *size, cap], label="(23) for given gains")
+    return Program(minimise=-t, subject_to=[*inequalities(s, v, edition, t), *size, cap], label="(23) for given gains")
 
 
 @dataclass(frozen=True)

@@ -59,6 +59,15 @@ class Flight:
         """w2hat, N m; zero without observer."""
         return np.zeros(len(states)) if self.mode == "no_observer" else states[:, 6]
 
+    def error(self, states: np.ndarray) -> np.ndarray:
+        """w2 - w2hat, N m."""
+        return self.w2(states) - self.estimate(states)
+
+    def root_mean_square(self, signal: Callable[[np.ndarray], np.ndarray], start: float, end: float) -> float:
+        """Root of the mean of the square of a function of the states between two times, s."""
+        square = self.solution.integral(lambda t, x: signal(x) ** 2, [end], start)[0]
+        return float(np.sqrt(square / (end - start)))
+
     def torque(self, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The two parts of (6) as applied, N m: K x and -w2hat."""
         late = self.solution(times - self.law(times))
@@ -150,26 +159,22 @@ def numbers(flight: Flight) -> dict[str, tuple[float, float, str]]:
     solution = flight.solution
     end = float(solution.mesh[-1])
     window = min(ESTIMATION_WINDOW, end)
-    error = solution.integral(lambda t, x: (flight.w2(x) - flight.estimate(x)) ** 2, [window, end - window, end])
-    vibration = solution.integral(lambda t, x: flight.w2(x) ** 2, [window])[0]
     angle = solution.integral(lambda t, x: x[:, 0] ** 2, [end])[0]
     time, lowest = lowest_angle(flight)
-    late = solution.integral(lambda t, x: flight.w2(x) ** 2, [end - window])[0]
-    total = solution.integral(lambda t, x: flight.w2(x) ** 2, [end])[0]
     found = {
         "theta_10s": (min(10.0, end), float(solution(min(10.0, end))[0, 0]), "rad"),
         "theta_min": (time, lowest, "rad"),
         "theta_end": (end, float(solution(end)[0, 0]), "rad"),
         "rate_end": (end, float(solution(end)[0, 1]), "rad/s"),
         "squared_angle": (end, float(angle), "rad^2 s"),
-        "vibration_rms_50s": (window, float(np.sqrt(vibration / window)), "N m"),
-        "vibration_rms_end": (end, float(np.sqrt((total - late) / window)), "N m"),
+        "vibration_rms_50s": (window, flight.root_mean_square(flight.w2, 0.0, window), "N m"),
+        "vibration_rms_end": (end, flight.root_mean_square(flight.w2, end - window, end), "N m"),
     }
     settled = last_outside(flight, 1e-3)
     found["settling_1mrad"] = (settled, settled, "s")
     if flight.mode != "no_observer":
-        found["estimation_error_rms_50s"] = (window, float(np.sqrt(error[0] / window)), "N m")
-        found["estimation_error_rms_end"] = (end, float(np.sqrt((error[2] - error[1]) / window)), "N m")
+        found["estimation_error_rms_50s"] = (window, flight.root_mean_square(flight.error, 0.0, window), "N m")
+        found["estimation_error_rms_end"] = (end, flight.root_mean_square(flight.error, end - window, end), "N m")
     return found
 
 
@@ -200,18 +205,15 @@ def scan_numbers(case: Case, point: Mapping) -> dict[str, float]:
 
     end, window = point["horizon"], ESTIMATION_WINDOW
     flight = run(point["delay_mode"], max(end, 100.0))
-    at = [window, end - window, end]
-    error = flight.solution.integral(lambda t, x: (flight.w2(x) - flight.estimate(x)) ** 2, at)
-    vibration = flight.solution.integral(lambda t, x: flight.w2(x) ** 2, [window])[0]
+    vibration = flight.root_mean_square(flight.w2, 0.0, window)
     bare = run("no_observer", window)
-    without = bare.solution.integral(lambda t, x: bare.w2(x) ** 2, [window])[0]
     late = np.abs(flight.solution(np.linspace(90.0, 100.0, 501))[:, 0]).max()
     angle, rate = flight.solution(np.array([end]))[0, :2]
     return {
-        "audit.rejection": float(np.sqrt(error[0] / vibration)),
-        "audit.vibration_ratio": float(np.sqrt(vibration / without)),
+        "audit.rejection": flight.root_mean_square(flight.error, 0.0, window) / vibration,
+        "audit.vibration_ratio": vibration / bare.root_mean_square(bare.w2, 0.0, window),
         "audit.convergence": float(late / case.number("theta0")),
         "run.theta_end": float(angle),
         "run.rate_end": float(rate),
-        "run.estimation_error_rms_end": float(np.sqrt((error[2] - error[1]) / window)),
+        "run.estimation_error_rms_end": flight.root_mean_square(flight.error, end - window, end),
     }

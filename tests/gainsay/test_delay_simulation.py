@@ -86,6 +86,14 @@ def test_integral_is_that_of_the_polynomial():
     np.testing.assert_allclose(found.integral(lambda t, x: x[:, 0], times), expected, atol=1e-11)
 
 
+def test_integral_from_a_start_is_a_difference_of_integrals_and_does_not_cancel():
+    law = DelayLaw(lambda t: 0 * t, 0.0, 0.0)
+    found = simulate_delay([[-1.0]], [[0.0]], [[1.0]], law, [1.0], 20.0, step=0.1)
+    tail = found.integral(lambda t, x: x[:, 0] ** 2, [19.05, 20.0], start=18.03)
+    closed = (np.exp(-2 * 18.03) - np.exp(-2 * np.array([19.05, 20.0]))) / 2  # 1e-16 of the integral from the start
+    np.testing.assert_allclose(tail, closed, rtol=1e-9)
+
+
 def test_derivative_and_history():
     law = touching()
     found = simulate_delay(A, BD, CD, law, exact_state(0.0), 3.0, forcing=manufactured(law), step=0.02)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 
 from gainsay.errors import CertificateError, ComputationError
 from gainsay.lmi import Infimum, Program, Solved, infimum, scalar, solve
+from gainsay.proof import Conclusion
 from gainsay.systems.delay_bounds import bessel_legendre, level, proved_delay
 from gainsay.systems.delay_spectrum import hinf_norm
 from gainsay.tables import Case, read_case
@@ -18,13 +20,16 @@ from papers.zhang2013.bounds import Structured, first_refuted, gamma_program, la
 from papers.zhang2013.design import (
     acceptance_program,
     farkas_multipliers,
+    fast_program,
     gains_of,
     inequalities,
+    least_squares_program,
     margin_program,
     standing,
     unsound_program,
 )
 from papers.zhang2013.plant import Spacecraft
+from papers.zhang2013.synthesis import near_optimum
 from papers.zhang2013.theorem1 import PARTS, Delayed, Functional, channel_blocks, theorem1, without_slack
 from papers.zhang2013.theorem2 import (
     EDITIONS,
@@ -218,6 +223,28 @@ def test_unsound_point_has_an_unstable_observer():
     assert (L_found @ PLUS.B).item() < 0  # e' = -L B e grows
     # the corrected LMIs accept none such: Theorem 1 would prove it stable
     assert not isinstance(solve(unsound_program(PLUS, EDITIONS["corrected"])), Solved)
+
+
+@pytest.mark.parametrize(
+    ("design", "program"), [("resynthesised", least_squares_program), ("fast", fast_program)], ids=lambda x: str(x)[:5]
+)
+def test_committed_designs_of_convex_programs_are_near_the_optimum_and_the_printed_gains_are_not(design, program):
+    committed = CASE.designs[design]["K"], CASE.designs[design]["L"]
+    results = SimpleNamespace(attempt=lambda *_: None)
+    least = infimum(program(PLUS))
+    near_optimum(design, program(PLUS, committed), least.lower, results)
+    with pytest.raises(ComputationError, match=f"designs/{design}.json reaches"):
+        near_optimum(design, program(PLUS, (K, L)), least.lower, results)
+
+
+def test_an_enclosure_is_the_value_between_its_neighbours():
+    """-1/2 is a double, so that both ends are its neighbours; a bound on one side is not taken for an enclosure."""
+    proved = SimpleNamespace(
+        conclusions=[Conclusion("q", "greater_than", "-1"), Conclusion("q", "inside", "-1/2..-0.5")]
+    )
+    assert certificates.enclosure(proved) == {
+        "value": -0.5, "lower": np.nextafter(-0.5, -1), "upper": np.nextafter(-0.5, 0)
+    }  # fmt: skip
 
 
 def test_repaired_design_is_no_worse_than_the_printed_one_in_anything_counted():

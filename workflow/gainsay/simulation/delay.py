@@ -205,15 +205,20 @@ class DelaySolution:
         value[before] = self.states[0]
         return value
 
-    def integral(self, density: Callable[[np.ndarray, np.ndarray], np.ndarray], times: np.ndarray) -> np.ndarray:
-        """Integral of a function of time and state from the first mesh point to given times.
+    def integral(
+        self, density: Callable[[np.ndarray, np.ndarray], np.ndarray], times: np.ndarray, start: float | None = None
+    ) -> np.ndarray:
+        """Integral of a function of time and state from a start to given times.
 
         Parameters
         ----------
         density : callable
             density(times (k,), states (k, n)) -> (k,).
         times : array_like, shape (m,)
-            s, at or after the first mesh point.
+            s, at or after the start.
+        start : float, optional
+            s; the first mesh point where left out. Not the difference of two integrals, which cancels where a
+            disturbance has died out.
 
         Returns
         -------
@@ -221,9 +226,11 @@ class DelaySolution:
             By the Gauss rule on every interval, exact for densities of degree 2 s - 1 between mesh points.
         """
         times = np.atleast_1d(np.asarray(times, dtype=float))
-        whole = np.concatenate([[0.0], np.cumsum(self._pieces(density, self.mesh[:-1], self.mesh[1:]))])
-        k = np.clip(np.searchsorted(self.mesh, times, side="right") - 1, 0, len(self.mesh) - 2)
-        return whole[k] + self._pieces(density, self.mesh[k], times)
+        start = self.mesh[0] if start is None else start
+        mesh = np.concatenate([[start], self.mesh[self.mesh > start]])
+        whole = np.concatenate([[0.0], np.cumsum(self._pieces(density, mesh[:-1], mesh[1:]))])
+        k = np.clip(np.searchsorted(mesh, times, side="right") - 1, 0, len(mesh) - 2)
+        return whole[k] + self._pieces(density, mesh[k], times)
 
     def _pieces(self, density: Callable, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         points = low[:, None] + (high - low)[:, None] * self.rule.nodes
