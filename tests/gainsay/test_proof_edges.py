@@ -401,6 +401,9 @@ def test_real_parameters_need_their_own_multipliers():
     assert springs("0.5", "1", ("4", "3"), d=("2", "2"))
     assert springs("0.1", "1", ("0", "1.5"))
     assert springs("0.1", "1", ("0", "1.5"), blocks=(("full", 1, 1), ("repeated", 1)))
+    # at w = 1 the first form is 0.04 + 0.2 g - 0.25 over 0.04: it needs g > 1.05
+    assert springs("0.5", "1", ("1.1", "1.5"))
+    assert springs("0.5", "1", ("1", "1.5")) is None
     assert springs("0.5", "1", ("0", "1.5")) is None
     assert springs("0.5", "1", ("2", "0")) is None
     assert springs("0.5", "1", ("-2", "1.5")) is None

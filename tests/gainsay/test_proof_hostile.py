@@ -315,6 +315,7 @@ def test_prove_without_a_file_is_bad_input(tmp_path, capsys):
     assert main(["--root", str(ROOT), "prove", str(here), str(tmp_path / "no.json")]) == 2
     assert "no.json" in capsys.readouterr().err
     assert main(["--root", str(ROOT), "prove", str(tmp_path)]) == 2
+    assert main(["--root", str(ROOT), "prove", "a" * 5000]) == 2
     os.mkfifo(tmp_path / "pipe.json")
     assert main(["--root", str(ROOT), "prove", str(tmp_path / "pipe.json")]) == 2
 
