@@ -239,9 +239,7 @@ def comparison(case: Case, results: Results) -> None:
 def designs(case: Case, results: Results) -> None:
     """Audit our own designs the same way."""
     for name in ("repaired", "best"):
-        read = results.read_design(name)
-        gains = type("Gains", (), {letter: read[letter] for letter in "ABC"})
-        audit_controller(case, results, name, gains)
+        audit_controller(case, results, name, plant.gains_of(case.designs[name]))
 
 
 @task("(6), small angles")

@@ -264,7 +264,26 @@ def _eigen(A: np.ndarray):
     return [(values[j], left[:, j], right[:, j]) for j in range(len(values))]
 
 
-def improve(k, gains, wishes: Wishes, disk, start, constant, rounds: int = 2, iterations: int = 400) -> SimpleNamespace:
+@dataclass(frozen=True)
+class Improved:
+    """Gains that a search reached.
+
+    Attributes
+    ----------
+    gains : namespace with A, B, C
+    converged : bool
+        Whether the last minimisation met its own stopping criterion, and not a limit on its effort.
+    iterations, evaluations : int
+        Of all minimisations.
+    """
+
+    gains: SimpleNamespace
+    converged: bool
+    iterations: int
+    evaluations: int
+
+
+def improve(k, gains, wishes: Wishes, disk, start, constant, rounds: int = 2, iterations: int = 3000) -> Improved:
     """Gains that meet the wishes better, from given ones inside the disk.
 
     Raises
@@ -273,6 +292,7 @@ def improve(k, gains, wishes: Wishes, disk, start, constant, rounds: int = 2, it
         If the objective is no number at the start.
     """
     objective = Objective(k, wishes, disk, start, constant)
+    used, evaluated, converged = 0, 0, False
     for _ in range(rounds):
         x = np.concatenate([pack(gains), objective.scalings(gains)])
         unit = np.concatenate([np.maximum(np.abs(pack(gains)), 0.05), np.ones(x.size - GAINS)])
@@ -283,7 +303,8 @@ def improve(k, gains, wishes: Wishes, disk, start, constant, rounds: int = 2, it
             value, slope = objective(y * unit)
             return value, slope * unit
 
-        options = {"maxiter": iterations, "maxfun": 2 * iterations, "maxcor": 40}
+        options = {"maxiter": iterations, "maxfun": 2 * iterations, "maxcor": 40, "ftol": 1e-8, "gtol": 1e-6}
         found = minimize(scaled, x / unit, jac=True, method="L-BFGS-B", options=options)
         gains = unpack((found.x * unit)[:GAINS])
-    return gains
+        used, evaluated, converged = used + found.nit, evaluated + found.nfev, bool(found.success)
+    return Improved(gains, converged, used, evaluated)

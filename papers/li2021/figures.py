@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Mapping
-from types import SimpleNamespace
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,7 +12,7 @@ from gainsay.logs import Log
 from gainsay.logs.palette import role
 from gainsay.systems.norms import hinf_norm
 from gainsay.tables import Case
-from gainsay.tables.results import read_design, read_part
+from gainsay.tables.results import read_part
 from papers.li2021 import plant
 
 ANGLES = ("roll", "pitch", "yaw")
@@ -114,8 +113,7 @@ def tradeoff(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         ("repaired", "repaired", "axis_3", "s"),
         ("best", "largest", "perturbed", "D"),
     ):
-        matrices = None if name == "printed" else read_design(case.root, case.name, name)
-        gains = plant.controller(case, "proposed") if matrices is None else SimpleNamespace(**matrices)
+        gains = plant.controller(case, "proposed") if name == "printed" else plant.gains_of(case.designs[name])
         loop = plant.closed_loop(nominal, gains)
         radius = np.abs(np.linalg.eigvals(loop) + case.number("disk_centre")).max()
         certified.append((hinf_norm(loop, B, C)[0], radius, values[f"certified.{name}.delta_m"], label, look, marker))
@@ -123,7 +121,7 @@ def tradeoff(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     for column, title in enumerate(("norm from d~ to y [rad/(N m)]", "largest |s + 1.01| over the poles [1/s]")):
         panel = axes[column]
         body = role("body").on_light
-        panel.plot(searched[column], searched[2], "o", mfc="none", color=body, label="searched")
+        panel.plot(searched[column], searched[2], "o", mfc="none", color=body, label="trade-off")
         for *place, reached, label, look, marker in certified:
             panel.plot(place[column], reached, marker, color=role(look).on_light, label=label)
         bound(panel, case.number("delta_m"), "the paper's")

@@ -4,7 +4,7 @@ Every function works in the arithmetic of its input: floats for computing, ``Fra
 to hold exactly. Equation numbers are those of the paper.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from types import SimpleNamespace
@@ -128,6 +128,19 @@ def uncertainty_factors(k: Constants) -> SimpleNamespace:
     return SimpleNamespace(
         XJ=diagonal((d1, d2, d3)), XD=XD, GD=GD, XG=XG, GG=GG, order_D=(0, 0, 2, 2, 1, 1), order_G=(1, 1, 0, 2, 2, 0)
     )
+
+
+def gains_of(matrices: Mapping[str, np.ndarray]) -> SimpleNamespace:
+    """Gains A, B, C of a design, checked.
+
+    Raises
+    ------
+    InputError
+        If a matrix has another shape.
+    """
+    found = SimpleNamespace(**{letter: matrices[letter] for letter in "ABC"})
+    check_gains(found.A, found.B, found.C)
+    return found
 
 
 def rigid(k: Constants, delta=(0, 0, 0)) -> SimpleNamespace:

@@ -43,9 +43,7 @@ def gains_of(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], name: 
     """Gains of a controller by the name of its run."""
     if name in ("proposed", "comparison"):
         return plant.controller(case, name)
-    found = SimpleNamespace(**{letter: designs[name][letter] for letter in "ABC"})
-    plant.check_gains(found.A, found.B, found.C)
-    return found
+    return plant.gains_of(designs[name])
 
 
 def angle_size(t, state: np.ndarray):

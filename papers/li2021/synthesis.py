@@ -1,29 +1,16 @@
 """Synthesis of li2021: what its conditions can and cannot do, and controllers certified for what it promised."""
 
-from types import SimpleNamespace
-
 import numpy as np
 from scipy.linalg import block_diag, solve_continuous_lyapunov
-from scipy.optimize import brentq
 
 from gainsay.errors import ComputationError
 from gainsay.lmi import Infimum, Solved, infimum, solve
 from gainsay.proof import build
 from gainsay.systems.norms import hinf_norm
 from gainsay.tables import Case
+from gainsay.tables.designs import Design
 from gainsay.tables.results import Results, task
-from papers.li2021 import arcs, certify, design, equivalence, identities, lmis, plant, proofs, robust
-
-#: shares of the limits of disk and norm found in floating point at which the certificate is made
-ROOM, ROOM_OF_NORM, ROOM_OF_ONE = 0.998, 0.992, 0.995
-#: stages of the search for the largest gain variation, each from the one before: variation, static gain allowed
-STAGES = ((0.06, 1.5), (0.12, 3.0))
-#: further points of the trade-off, each from the printed gains: what is asked besides norm and torque
-ASIDE = (
-    {"delta_m": 0.05, "static_gain": 1.0},
-    {"delta_m": 0.05, "static_gain": 1.2},
-    {"delta_m": 0.09, "static_gain": 1.2, "disk_radius": 0.8},
-)
+from papers.li2021 import certify, equivalence, identities, lmis, plant, proofs
 
 
 def enclosed(program, where: str) -> Infimum:
@@ -189,31 +176,22 @@ def lemma3(case: Case, results: Results) -> None:
 
 @task("(12), band of lambda")
 def lambda_band(case: Case, results: Results) -> None:
-    """The values of lambda at which (12) can be met at all with the paper's gamma, certified inside near both ends."""
-    model, gamma = lmis.Model.of(case), case.number("gamma")
-
-    def level(exponent: float) -> float:
-        found = solve(lmis.pushed(lmis.lemma3_synthesis(model, 10.0**exponent, gamma)))
+    """The values of lambda at which (12) can be met at all with the paper's gamma: each end proved from both sides."""
+    model, gamma, band = lmis.Model.of(case), case.number("gamma"), case.designs["lambda_band"]
+    for end in ("low", "high"):
+        inside, outside = (float(band[f"{end}_{side}"][0, 0]) for side in ("inside", "outside"))
+        found = solve(lmis.lemma3_synthesis(model, inside, gamma))
         if not isinstance(found, Solved):
-            raise ComputationError("(12)", f"no margin at lambda = {10.0**exponent}", found.attempts)
-        return found.objective
-
-    for end, (inside, outside) in {"low": (0.0, -0.6), "high": (1.0, 2.5)}.items():
-        exponent = brentq(level, inside, outside, xtol=1e-3)
-        lam = 10.0**exponent
-        results.quantity(f"lemma3.lambda_{end}", lam, method="root of the largest common margin over log lambda",
-                         source="(12)")  # fmt: skip
-        near = f"{lam * (1.02 if end == 'low' else 0.98):.4g}"
-        found = solve(lmis.lemma3_synthesis(model, float(near), gamma))
-        if not isinstance(found, Solved):
-            raise ComputationError("(12)", f"no point at lambda = {near}", found.attempts)
-        results.certificate(proofs.lemma3_feasible(case, f"eq12-lambda-{end}", found.values, near, end))
-        beyond = f"{lam * (0.98 if end == 'low' else 1.02):.4g}"
-        outside = enclosed(lmis.pushed(lmis.lemma3_synthesis(model, float(beyond), gamma)), "(12)")
+            raise ComputationError("(12)", f"no point at lambda = {inside}", found.attempts)
+        results.certificate(proofs.lemma3_feasible(case, f"eq12-lambda-{end}", found.values, repr(inside), end))
+        beyond = enclosed(lmis.pushed(lmis.lemma3_synthesis(model, outside, gamma)), "(12)")
         quantity = f"lemma3.feasible_beyond_{end}"
         results.certificate(proofs.lemma3_infeasible(
-            case, f"eq12-lambda-beyond-{end}", outside.multipliers["(12)"], beyond, quantity))  # fmt: skip
-        results.quantity(quantity, 0, method=f"Farkas multipliers at lambda = {beyond}", source="(12)")
+            case, f"eq12-lambda-beyond-{end}", beyond.multipliers["(12)"], repr(outside), quantity))  # fmt: skip
+        results.quantity(quantity, 0, method=f"Farkas multipliers at lambda = {outside}", source="(12)")
+        results.quantity(f"lemma3.lambda_{end}", float(np.sqrt(inside * outside)), lower=min(inside, outside),
+                         upper=max(inside, outside), method="a point on one side, Farkas multipliers on the other",
+                         source="(12)")  # fmt: skip
     results.say(
         "(12), band of lambda",
         "feasible at the paper's gamma on a band of lambda, points inside and proofs outside both ends",
@@ -243,126 +221,71 @@ def printed_gains(case: Case, results: Results) -> None:
     results.say("(12), printed gains", f"no P at lambda = 1; least gamma {np.sqrt(found.value):.6f} at lambda = 3")
 
 
-def limits(case: Case, gains) -> SimpleNamespace:
-    """Gain variations up to which disk (constant) and norm hold, in floating point."""
-    k, gamma = plant.constants(case), case.number("gamma") * 0.9995
-
-    def form(delta: float) -> robust.Loop:
-        return robust.loop(k, gains, delta).balanced()
-
-    disk, _ = arcs.largest_delta(form, case.number("disk_centre"), case.number("disk_radius"), 0.005, 0.4)
-    norm = brentq(lambda delta: robust.norm_scaling(form(delta), gamma)[0] - 1, 0.005, 0.4, xtol=1e-5)
-    return SimpleNamespace(disk=disk, norm=norm, both=min(disk, norm))
-
-
-def limit_of_one_matrix(case: Case, gains, high: float) -> float:
-    """Gain variation, at most high, up to which one scaling does for the whole circle, in floating point."""
-    circle = -case.number("disk_centre") + case.number("disk_radius") * np.exp(1j * np.linspace(0, np.pi, 61))
-
-    def shared(delta: float) -> float:
-        loop = robust.loop(plant.constants(case), gains, delta).balanced()
-        return robust.shared_scaling(np.array([loop.response(z) for z in circle]))[0] - 1
-
-    return float(brentq(shared, 0.002, high, xtol=1e-5))
-
-
-def certify_limit(case: Case, results: Results, name: str, gains, formulas, claims=(), found=None) -> None:
-    """Largest gain variation with all three requirements proved, by arcs and with one matrix for the disk.
-
-    The limits in floating point are found first unless given.
-    """
-    found = found or limits(case, gains)
-    one_matrix = limit_of_one_matrix(case, gains, found.disk)
-    inside = min(ROOM * found.disk, ROOM_OF_NORM * found.norm)
-    evidence = certify.gather(case, gains, float(f"{inside:.4g}"))
+def certify_levels(case: Case, results: Results, name: str, gains, formulas, found: Design, claims=()) -> None:
+    """Prove all three requirements at the levels of a search: by arcs, and with one matrix for the disk."""
     quantity = f"certified.{name}.delta_m"
+    level, alone = (float(found[entry][0, 0]) for entry in ("level", "level_quadratic"))
+    evidence = certify.gather(case, gains, level)
     results.certificate(certify.certificate(
         case, f"{name}-delta-m", formulas, evidence, quantity=quantity, claims=claims,
         statement=f"The {name} gains meet disk, norm and torque for gain variations up to dm, inertia included.",
     ))  # fmt: skip
-    results.quantity(quantity, evidence.delta_m, source="requirements 1 to 3",
-                     method=f"certified; disk: {len(evidence.scales)} arcs, limit {found.disk:.5f}; norm and torque: "
-                     f"one quadratic function each, limit {found.norm:.5f}")  # fmt: skip
-    single = min(one_matrix, found.both)
-    alone = certify.gather(case, gains, float(f"{ROOM_OF_ONE * single:.4g}"), one_matrix=True)
+    method = f"certified; disk: {len(evidence.scales)} arcs; norm and torque: one quadratic function each"
+    results.quantity(quantity, level, source="requirements 1 to 3", method=method)
     results.certificate(certify.certificate(
-        case, f"{name}-delta-m-quadratic", formulas, alone, quantity=f"{quantity}_quadratic",
+        case, f"{name}-delta-m-quadratic", formulas, certify.gather(case, gains, alone, one_matrix=True),
+        quantity=f"{quantity}_quadratic",
         statement=f"The {name} gains meet disk, norm and torque up to dm, each by one quadratic function.",
     ))  # fmt: skip
-    results.quantity(f"{quantity}_quadratic", alone.delta_m, source="requirements 1 to 3",
-                     method=f"certified; disk by one P as well, limit {one_matrix:.5f}")  # fmt: skip
-    results.say(
-        "requirements 1 to 3", f"{name}: certified to {evidence.delta_m}, with one P for the disk {alone.delta_m}"
-    )
+    results.quantity(f"{quantity}_quadratic", alone, source="requirements 1 to 3",
+                     method="certified; disk by one P as well")  # fmt: skip
+    results.say("requirements 1 to 3", f"{name}: certified to {level}, with one P for the disk {alone}")
 
 
 @task("requirements 1 to 3, printed gains")
 def printed_limit(case: Case, results: Results) -> None:
-    """Largest gain variation for which the printed gains are proved, and for those of [39]."""
+    """Gain variation for which the printed gains are proved to meet all three requirements."""
     gains = plant.controller(case, "proposed")
-    certify_limit(case, results, "printed", gains, certify.PRINTED, ("theorem3-requirements",))
+    certify_levels(
+        case, results, "printed", gains, certify.PRINTED, case.designs["printed_levels"], ("theorem3-requirements",)
+    )
 
 
-def improved(case: Case, gains, wishes: design.Wishes, **effort: int) -> SimpleNamespace:
-    """Gains of `design.improve` (rounds and iterations are its), rounded to six decimals."""
-    disk = (case.number("disk_centre"), case.number("disk_radius"))
-    k = plant.constants(case)
-    constant = plant.disturbance(case, k) @ np.array([1.0, 0.0, 1.0])
-    found = design.improve(k, gains, wishes, disk, case.matrix("x0").ravel(), constant, **effort)
-    return design.unpack(np.round(design.pack(found), 6))
-
-
-@task("repaired design")
-def repaired(case: Case, results: Results) -> None:
-    """A controller better than the printed one on the paper's own measures, certified at its delta_m and beyond."""
-    # each a little better than what the audit finds for the printed gains
-    wishes = design.Wishes(
-        case.number("delta_m"), disk_radius=0.69, abscissa_flexible=-0.00634, norm=0.89, static_gain=0.89,
-        steady=8.4e-4, torque=0.425, drawn_abscissa=-0.02,
-    )  # fmt: skip
-    gains = improved(case, plant.controller(case, "proposed"), wishes)
-    results.design("repaired", note="searched from the printed gains", A=gains.A, B=gains.B, C=gains.C)
-    certify_limit(case, results, "repaired", gains, certify.of_design("repaired"))
-
-
-def stage(case: Case, results: Results, number: int, gains) -> SimpleNamespace:
-    """Write one point of the trade-off; its limits."""
-    found, k = limits(case, gains), plant.rigid(plant.constants(case))
-    loop, B, C = plant.closed_loop(k, gains), np.vstack([k.B, np.zeros((6, 3))]), np.eye(3, 12)
-    radius = np.abs(np.linalg.eigvals(loop) + case.number("disk_centre")).max()
-    static = np.linalg.norm(C @ np.linalg.solve(loop, B), 2)
-    for quantity, value, source, method in (
-        ("delta_m", found.both, "requirements 1 to 3", "least of the limits of disk and norm"),
-        ("static_gain", static, "(10)", "norm of -C A^-1 B"),
-        ("norm", hinf_norm(loop, B, C)[0], "(10)", "Hamiltonian test"),
-        ("disk_radius", radius, "(10)", "largest |s + 1.01| over the eigenvalues of (10)"),
-    ):
-        results.quantity(f"tradeoff.{number}.{quantity}", float(value), source=source, method=method)
-    return found
-
-
-@task("largest gain variation")
-def best(case: Case, results: Results) -> None:
-    """Controllers for the largest gain variation with all three requirements; the stages of the search."""
-    gains = plant.controller(case, "proposed")
-    reached = []
-    for number, (delta, static) in enumerate(STAGES, start=1):
-        gains = improved(case, gains, design.Wishes(delta, gamma=9.0, static_gain=static, torque=0.6))
-        reached.append((stage(case, results, number, gains), gains))
-    found, gains = max(reached, key=lambda entry: entry[0].both)
-    results.design("best", note="searched from the printed gains in stages", A=gains.A, B=gains.B, C=gains.C)
-    certify_limit(case, results, "best", gains, certify.of_design("best"), found=found)
+@task("our designs")
+def designs(case: Case, results: Results) -> None:
+    """Our designs: better than the printed gains on the paper's own measures, and with the largest gain variation."""
+    for name in ("repaired", "best"):
+        found = case.designs[name]
+        certify_levels(case, results, name, plant.gains_of(found), certify.of_design(name), found)
 
 
 @task("trade-off")
 def tradeoff(case: Case, results: Results) -> None:
-    """Further designs between the printed gains and the largest gain variation."""
+    """Designs between the printed gains and the largest gain variation, each certified at its level."""
+    k = plant.rigid(plant.constants(case))
+    B, C = np.vstack([k.B, np.zeros((6, 3))]), np.eye(3, 12)
     reached = []
-    for number, asked in enumerate(ASIDE, start=len(STAGES) + 1):
-        wishes = design.Wishes(gamma=9.0, torque=0.6, **asked)
-        gains = improved(case, plant.controller(case, "proposed"), wishes, rounds=1, iterations=300)
-        reached.append(f"{stage(case, results, number, gains).both:.3f}")
-    results.say("trade-off", f"further gain variations {', '.join(reached)}, not certified")
+    for number in range(1, 6):
+        name, stem = f"tradeoff_{number}", f"tradeoff.{number}"
+        found = case.designs[name]
+        gains, level = plant.gains_of(found), float(found["level"][0, 0])
+        loop = plant.closed_loop(k, gains)
+        results.certificate(certify.certificate(
+            case, f"tradeoff-{number}-delta-m", certify.of_design(name), certify.gather(case, gains, level),
+            quantity=f"{stem}.delta_m",
+            statement=f"Point {number} of the trade-off meets disk, norm and torque for gain variations up to dm.",
+        ))  # fmt: skip
+        radius = np.abs(np.linalg.eigvals(loop) + case.number("disk_centre")).max()
+        static = np.linalg.norm(C @ np.linalg.solve(loop, B), 2)
+        for quantity, value, source, method in (
+            ("delta_m", level, "requirements 1 to 3", "certified; disk by arcs, norm and torque by one P each"),
+            ("static_gain", static, "(10)", "norm of -C A^-1 B"),
+            ("norm", hinf_norm(loop, B, C)[0], "(10)", "Hamiltonian test"),
+            ("disk_radius", radius, "(10)", "largest |s + 1.01| over the eigenvalues of (10)"),
+        ):
+            results.quantity(f"{stem}.{quantity}", float(value), source=source, method=method)
+        reached.append(f"{level}")
+    results.say("trade-off", f"gain variations {', '.join(reached)}, certified")
 
 
 TASKS = (
@@ -377,7 +300,6 @@ TASKS = (
     lambda_band,
     printed_gains,
     printed_limit,
-    repaired,
-    best,
+    designs,
     tradeoff,
 )
