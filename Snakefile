@@ -9,7 +9,11 @@ include: "workflow/rules/common.smk"
 
 rule all:
     input:
-        "results/.checked",
+        (
+            "results/.checked"
+            if PAPERS == ALL
+            else [f"results/{paper}/.checked" for paper in PAPERS]
+        ),
 
 
 include: "workflow/rules/paper.smk"

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from gainsay.report import read_results, write_pages
+from gainsay.report import read_results, write_index, write_paper
 from gainsay.tables import find_root, read_case
 
 pytestmark = pytest.mark.slow
@@ -178,7 +178,7 @@ def pages(tmp_path_factory):
     """The example's pages and, where results exist, the project's own, made anew in a copy of what they link to."""
     root = EXAMPLE["build"](tmp_path_factory.mktemp("project"))
     papers = [read_results(read_case(root, paper), EXAMPLE["RUNS_OF_FIGURES"]) for paper in ("toy2001", "bare2002")]
-    found = write_pages(root, papers)
+    found = [write_index(root, papers), *(write_paper(paper) for paper in papers)]
     own = find_root(Path(__file__)) / "results" / "index.html"
     return [*found, own] if own.is_file() else found
 

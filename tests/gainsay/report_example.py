@@ -6,6 +6,7 @@ import struct
 import zlib
 from pathlib import Path
 
+from gainsay.report import write_index, write_paper
 from gainsay.tables.models import TABLES, columns
 from gainsay.tables.results import FAILURE_COLUMNS, GAIN_COLUMNS, QUANTITY_COLUMNS
 from gainsay.verdicts.table import VERDICT_COLUMNS
@@ -206,3 +207,8 @@ def build(root: Path) -> Path:
     results(root, "toy2001")
     tables(root, "bare2002", full=False)
     return root
+
+
+def write_pages(root, papers):
+    """Write all pages as the steps do and return their paths, the one over all papers first."""
+    return [write_index(root, papers), *(write_paper(found) for found in papers)]

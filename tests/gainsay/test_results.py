@@ -1,11 +1,15 @@
 import json
 import math
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 
 from gainsay.errors import CertificateError, ComputationError, InputError, LogError
-from gainsay.tables.results import Designs, Results, read_design, read_part, run_tasks, task
+from gainsay.tables.listing import damage
+from gainsay.tables.results import Results, read_part, run_tasks, task
 
 
 class Paper:
@@ -122,7 +126,7 @@ def test_messages_hold_no_absolute_path(project):
 def test_bad_input_inside_a_task_ends_the_step_and_nothing_is_written(project):
     @task("(1)")
     def first(case, results):
-        results.design("repaired", K=np.eye(2))
+        results.certificate(Paper("first"))
         results.quantity("audit.length", 1.0, method="m")
 
     @task("(2)")
@@ -153,13 +157,13 @@ def test_files_of_an_earlier_run_go_before_the_next(project):
     case = project.case()
     results = Results(case, "audit")
     results.certificate(Paper("gone-tomorrow"))
-    results.design("repaired", K=np.eye(2))
     results.close()
-    assert {"certificates/gone-tomorrow.json", "designs/repaired.json"} <= files(case)
+    assert "certificates/gone-tomorrow.json" in files(case)
     results = Results(case, "audit")
     results.certificate(Paper("stays"))
     results.close()
-    assert [row["file"] for row in read_part(case, "files")] == ["certificates/stays.json"]
+    listed = [row["file"] for row in read_part(case, "files") if not row["file"].startswith("parts/")]
+    assert listed == ["certificates/stays.json"]
     assert "certificates/gone-tomorrow.json" not in files(case)
 
 
@@ -192,20 +196,48 @@ def test_the_same_file_twice_is_refused(project):
         results.certificate(Paper("same"))
 
 
-def test_designs_survive_to_the_last_bit_and_missing_ones_are_named(project):
+def listed_damage(case, step="audit"):
+    return list(damage(case.results / "parts" / f"{step}.files.csv", case.results))
+
+
+def test_what_is_lost_emptied_or_altered_shows(project):
     case = project.case()
-    matrix = np.array([[1 / 3, -1e-300], [math.pi, 5e-324]])
-    results = Results(case, "synthesis")
-    results.design("repaired", K=matrix)
-    np.testing.assert_array_equal(results.read_design("repaired")["K"], matrix)
-    np.testing.assert_array_equal(Designs(case)["repaired"]["K"], matrix)
-    assert list(Designs(case)) == ["repaired"]
-    with pytest.raises(KeyError):
-        Designs(case)["other"]
-    with pytest.raises(ComputationError, match="was not synthesised"):
-        read_design(case.root, "toy", "other")
-    with pytest.raises(ComputationError, match="not finite"):
-        results.design("repaired", K=matrix * np.nan)
+    results = Results(case, "audit")
+    results.certificate(Paper("one"))
+    for name in ("log.mcap", "log.rrd"):
+        (case.results / name).write_text(name)
+    results.made("log.mcap")
+    results.made("log.rrd", of="log.mcap")
+    results.quantity("audit.length", 1.0, method="m")
+    results.close()
+    assert listed_damage(case) == []
+    (case.results / "log.rrd").write_text("never the same twice")
+    assert listed_damage(case) == []
+    (case.results / "log.rrd").write_text("")
+    assert listed_damage(case) == [("log.rrd", "empty")]
+    (case.results / "log.mcap").write_text("another run")  # what is made of it is then of another run too
+    assert listed_damage(case) == [("log.mcap", "altered"), ("log.rrd", "empty")]
+    (case.results / "log.rrd").write_text("x")
+    assert listed_damage(case) == [("log.mcap", "altered"), ("log.rrd", "altered")]
+    (case.results / "certificates" / "one.json").unlink()
+    assert ("certificates/one.json", "missing") in listed_damage(case)
+    quantities = case.results / "parts" / "audit.quantities.csv"
+    quantities.write_text(quantities.read_text().replace("1.0", "2.0"))
+    assert ("parts/audit.quantities.csv", "altered") in listed_damage(case)
+    (case.results / "parts" / "audit.files.csv").write_text("file\nlog.mcap\n")
+    assert listed_damage(case) == [("parts/audit.files.csv", "altered")]
+
+
+def test_temporary_files_of_a_killed_process_are_removed_and_those_of_living_ones_are_not(project):
+    case = project.case()
+    Results(case, "audit").close()
+    dead = subprocess.Popen([sys.executable, "-c", "pass"])
+    dead.wait()
+    abandoned, living = (case.results / f".{pid}.abc.part" for pid in (dead.pid, os.getpid()))
+    abandoned.write_text("half")
+    living.write_text("half")
+    Results(case, "synthesis")
+    assert (abandoned.exists(), living.exists()) == (False, True)
 
 
 def test_gains_stand_entry_by_entry_with_the_interval_of_their_digits(project):

@@ -154,8 +154,10 @@ def test_a_missing_empty_or_undecodable_table_is_named(project, name):
 
 def test_an_unknown_paper_and_a_folder_outside_any_project(project, tmp_path):
     assert paper_names(project.root) == ["toy"]
-    for name in ("none", "../papers/toy", ""):
-        with pytest.raises(InputError, match=r"unknown paper.*toy"):
+    with pytest.raises(InputError, match=r"unknown paper.*toy"):
+        read_case(project.root, "none")
+    for name in ("../papers/toy", "", "a;touch x;b", "$(id)", "two words", "-h", "q'uote", "Toy", "t" * 61, "ünï"):
+        with pytest.raises(InputError, match=r"name of a paper.*lower-case letters"):
             read_case(project.root, name)
     assert find_root(project.root / "papers" / "toy") == project.root
     with pytest.raises(InputError, match="not inside a project"):

@@ -12,11 +12,16 @@ from gainsay.errors import ComputationError, GainsayError, InputError
 from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, refuse
 from gainsay.tables import find_root, paper_names, read_case
 
+#: what `check` prints at most: lines of differences, and characters of a line
+MOST_LINES, LONGEST = 20, 300
 EXIT_CODES = "exit codes: 0 clean, 1 differences, 2 bad input, 3 not checked"
 
 
 def _papers(root: Path, names: Sequence[str]) -> list[str]:
-    return list(names) or paper_names(root)
+    found = list(names) or paper_names(root)
+    if not found:
+        raise InputError("no paper", file="papers", expected="a folder with a paper.toml")
+    return found
 
 
 def lint(options: argparse.Namespace) -> int:
@@ -29,17 +34,28 @@ def lint(options: argparse.Namespace) -> int:
 
 
 def check(options: argparse.Namespace) -> int:
-    """Say what differs between the results and what is on record."""
-    from gainsay.steps.check import write_differences
+    """Say whether files, certificates, numbers and verdicts are as on record; writes nothing."""
+    from gainsay.steps.check import check as differing
+    from gainsay.steps.check import shared_differences
+    from gainsay.verdicts.published import published_rows, record_line, summary
 
-    found = write_differences(options.root, _papers(options.root, options.papers))
-    for paper, what, item, expected, value, note in found:
-        print(f"{paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}; {note}")
+    cases = [read_case(options.root, paper) for paper in _papers(options.root, options.papers)]
+    found = differing(cases)
+    rest = [paper for paper in paper_names(options.root) if paper not in {case.name for case in cases}]
+    if not rest:
+        found += shared_differences(options.root)
+    for line in summary(row for case in cases for row in published_rows(case)):
+        print(line)
+    for paper, what, item, expected, value, note in found[:MOST_LINES]:
+        print(f"{paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}; {note}"[:LONGEST])
+    if len(found) > MOST_LINES:
+        print(f"and {len(found) - MOST_LINES} more, see results/<paper>/differences.csv")
+    print(record_line(found))
+    if rest:
+        print(f"not checked: {', '.join(rest)}")
     if found:
-        print(f"{len(found)} differences, see results/differences.csv")
-        return DIFFERENCES
-    print("clean: every verdict, quantity, certificate and file is as on record")
-    return CLEAN
+        print("details: results/differences.csv; page: results/index.html; `make record` accepts what was computed")
+    return DIFFERENCES if found else CLEAN
 
 
 def record(options: argparse.Namespace) -> int:
@@ -160,10 +176,12 @@ def view(options: argparse.Namespace) -> int:
 def gallery(options: argparse.Namespace) -> int:
     """Render every run without a screen, check that no view is broken or empty, and put the pictures onto the pages."""
     from gainsay.logs.commands import gallery as render_all
-    from gainsay.steps.report import main as write_pages
+    from gainsay.steps.page import page
 
     code = render_all(options.root, options.papers)
-    write_pages([*paper_names(options.root), "--root", str(options.root)])
+    sys.path.insert(0, str(options.root))
+    for paper in _papers(options.root, options.papers):
+        page(read_case(options.root, paper))
     return code
 
 

@@ -1,50 +1,81 @@
-# What the rules share: the papers, the sources a step depends on, the environment of a step.
+# What the rules share: the papers, what a step depends on, the environment of a step.
 
-PAPERS = sorted(path.parent.name for path in Path("papers").glob("*/paper.toml"))
-if config["papers"]:
-    PAPERS = str(config["papers"]).split(",")
+from gainsay.errors import InputError
+from gainsay.steps.closure import sources, table_digest
+from gainsay.steps.resume import forget_damaged, lock
+from gainsay.tables.case import checked_name, paper_names
 
-FLOORS = "errors exact tables proof lmi systems dynamics simulation logs figures verdicts report".split()
+ROOT = Path(workflow.basedir).resolve()
+
+
+def refuse(error):
+    """End with exit code 2 and one line, as every command does on bad input."""
+    print(f"bad input: {error}", file=sys.stderr)
+    sys.stderr.flush()
+    os._exit(2)
+
+
+def chosen_papers():
+    """Names of the papers to work on, each checked: a name becomes a module, a rule and part of a command."""
+    unknown = set(config) - {"papers", "numeric_threads"}
+    if unknown:
+        raise InputError(
+            "configuration", value=sorted(unknown), expected="papers or numeric_threads"
+        )
+    known = paper_names(ROOT)
+    chosen = [checked_name(name) for name in str(config["papers"]).split(",") if name]
+    for name in chosen:
+        if name not in known:
+            raise InputError("unknown paper", value=name, expected=", ".join(known))
+    if not known:
+        raise InputError(
+            "no paper", file="papers", expected="a folder with a paper.toml"
+        )
+    return known, chosen or known
+
+
+try:
+    ALL, PAPERS = chosen_papers()
+    if not workflow.dryrun and workflow.is_main_process:
+        lock(ROOT)
+        for line in forget_damaged(ROOT, ALL):
+            print(line, flush=True)
+except InputError as error:
+    refuse(error)
 
 THREADS = " ".join(
-    f"{library}_NUM_THREADS={config['numeric_threads']}"
+    f"{library}_NUM_THREADS={int(config['numeric_threads'])}"
     for library in ("OMP", "OPENBLAS", "MKL", "RAYON")
 )
 
 shell.prefix(f"export {THREADS}; ")
 
 
-def library(step, *without):
-    """Sources of the library that a step depends on: Snakemake does not see imports."""
-    floors = [floor for floor in FLOORS if floor not in without]
-    files = [f"workflow/gainsay/steps/{name}.py" for name in (step, "command", "tasks")]
-    files.append("workflow/gainsay/errors.py")
-    for floor in floors:
-        files += sorted(
-            str(path) for path in Path("workflow/gainsay", floor).rglob("*.py")
-        )
-    return files
-
-
-def sources(paper, *without):
-    """Modules of a paper that a step depends on: all but those that other steps have to themselves."""
-    return sorted(
-        str(path)
-        for path in Path("papers", paper).glob("*.py")
-        if path.stem not in without
-    )
-
-
 def tables(paper):
-    """Tables of a paper that computations read; certificates quote the claims that they bear on."""
-    names = ["paper.toml", "parameters.csv", "quantities.csv", "claims.csv"]
-    printed = sorted(
-        str(path) for path in Path("papers", paper, "printed").glob("*.csv")
+    """What a computing step reads of a paper's folder, but for the columns that `table_digest` covers."""
+    folder = Path("papers", paper)
+    return [f"papers/{paper}/parameters.csv", f"papers/{paper}/paper.toml"] + sorted(
+        str(path)
+        for kind in ("printed/*.csv", "designs/*.json")
+        for path in folder.glob(kind)
     )
-    return [f"papers/{paper}/{name}" for name in names] + printed
 
 
-def parts(paper, step):
-    """Records that a step leaves whatever happens inside it."""
-    kinds = ("quantities", "gains", "poles", "failures", "files")
-    return [f"results/{paper}/parts/{step}.{kind}.csv" for kind in kinds]
+def record(paper):
+    """The tables of a paper that results are held against."""
+    names = ("recorded", "recorded_scans", "recorded_certificates", "errata")
+    files = [f"papers/{paper}/{name}.csv" for name in names]
+    return [file for file in files if Path(file).is_file()]
+
+
+def listing(paper, step):
+    """The list of all files that a step leaves whatever happens inside it, each with its digest."""
+    return f"results/{paper}/parts/{step}.files.csv"
+
+
+def made(paper, step):
+    """Result files of a step that other steps read."""
+    kinds = ("quantities", "gains", "poles", "failures")
+    return [f"results/{paper}/parts/{step}.{kind}.csv" for kind in kinds] + [
+        listing(paper, step)
+    ]

@@ -1,112 +1,132 @@
-# The rule set of a paper, made once for each: <paper>_synthesis, _audit, _simulation, _figures, _views, _verdicts.
+# The rule set of a paper, made once for each: <paper>_synthesis, _audit, _simulation, _figures, _views, _verdicts,
+# _compare, _page, and <paper>, which checks this paper alone.
 
-for paper in PAPERS:
+for paper in ALL:
+    for step in ("synthesis", "audit", "simulation"):
 
-    rule:
-        name:
-            f"{paper}_synthesis"
-        input:
-            tables=tables(paper),
-            code=sources(paper, "audit", "runs", "figures"),
-            library=library("synthesis", "logs", "figures", "report"),
-        output:
-            parts(paper, "synthesis"),
-        params:
-            paper=paper,
-        message:
-            f"{paper}: LMIs, certificates, designs"
-        shell:
-            "python -m gainsay.steps.synthesis {params.paper}"
-
-    rule:
-        name:
-            f"{paper}_audit"
-        input:
-            tables=tables(paper),
-            designs=parts(paper, "synthesis"),
-            code=sources(paper, "synthesis", "runs", "figures"),
-            library=library("audit", "logs", "figures", "report"),
-        output:
-            parts(paper, "audit"),
-        params:
-            paper=paper,
-        message:
-            f"{paper}: printed gains"
-        shell:
-            "python -m gainsay.steps.audit {params.paper}"
-
-    rule:
-        name:
-            f"{paper}_simulation"
-        input:
-            tables=tables(paper),
-            designs=parts(paper, "synthesis"),
-            code=sources(paper, "synthesis", "audit", "figures"),
-            library=library(
-                "simulation", "lmi", "proof", "figures", "verdicts", "report"
-            ),
-        output:
-            parts(paper, "simulation"),
-        params:
-            paper=paper,
-        message:
-            f"{paper}: runs and logs"
-        shell:
-            "python -m gainsay.steps.simulation {params.paper}"
+        rule:
+            name:
+                f"{paper}_{step}"
+            input:
+                tables=tables(paper),
+                code=sources(ROOT, step, paper),
+            output:
+                made(paper, step),
+            params:
+                paper=paper,
+                step=step,
+                columns=table_digest(ROOT, paper),
+            shell:
+                "python -m gainsay.steps.{params.step} {params.paper:q}"
 
     rule:
         name:
             f"{paper}_figures"
         input:
-            logs=parts(paper, "simulation"),
-            code=f"papers/{paper}/figures.py",
-            library=library("figures", "lmi", "proof", "verdicts", "report"),
+            results=[
+                file
+                for step in ("synthesis", "audit", "simulation")
+                for file in made(paper, step)
+            ],
+            code=sources(ROOT, "figures", paper),
         output:
-            parts(paper, "figures"),
+            made(paper, "figures"),
         params:
             paper=paper,
-        message:
-            f"{paper}: figures from the logs"
         shell:
-            "python -m gainsay.steps.figures {params.paper}"
+            "python -m gainsay.steps.figures {params.paper:q}"
 
     rule:
         name:
             f"{paper}_views"
         input:
-            logs=parts(paper, "simulation"),
-            code=f"papers/{paper}/runs.py",
-            library=library("views", "lmi", "proof", "figures", "verdicts", "report"),
+            results=made(paper, "simulation"),
+            code=sources(ROOT, "views", paper),
         output:
-            parts(paper, "views"),
+            made(paper, "views"),
         params:
             paper=paper,
-        message:
-            f"{paper}: viewer files"
         shell:
-            "python -m gainsay.steps.views {params.paper}"
+            "python -m gainsay.steps.views {params.paper:q}"
 
     rule:
         name:
             f"{paper}_verdicts"
         input:
-            parts(paper, "synthesis"),
-            parts(paper, "audit"),
-            parts(paper, "simulation"),
-            parts(paper, "figures"),
-            parts(paper, "views"),
-            f"papers/{paper}/claims.csv",
-            library("verdicts", "logs", "figures", "report"),
+            results=[
+                file
+                for step in ("synthesis", "audit", "simulation", "figures", "views")
+                for file in made(paper, step)
+            ],
+            claims=f"papers/{paper}/claims.csv",
+            code=sources(ROOT, "verdicts", paper),
         output:
-            f"results/{paper}/quantities.csv",
-            f"results/{paper}/gains.csv",
-            f"results/{paper}/poles.csv",
-            f"results/{paper}/failures.csv",
-            f"results/{paper}/certificates.csv",
-            f"results/{paper}/verdicts.csv",
+            [
+                f"results/{paper}/{table}.csv"
+                for table in (
+                    "quantities",
+                    "gains",
+                    "poles",
+                    "failures",
+                    "certificates",
+                    "verdicts",
+                )
+            ],
+            listing(paper, "verdicts"),
         params:
             paper=paper,
-        message:
-            f"{paper}: verdicts"
         shell:
-            "python -m gainsay.steps.verdicts {params.paper}"
+            "python -m gainsay.steps.verdicts {params.paper:q}"
+
+    rule:
+        name:
+            f"{paper}_compare"
+        input:
+            results=listing(paper, "verdicts"),
+            record=record(paper),
+            quantities=f"papers/{paper}/quantities.csv",
+            code=sources(ROOT, "compare", paper),
+        output:
+            f"results/{paper}/published.csv",
+            f"results/{paper}/differences.csv",
+            listing(paper, "compare"),
+        params:
+            paper=paper,
+        shell:
+            "python -m gainsay.steps.compare {params.paper:q}"
+
+    rule:
+        name:
+            f"{paper}_page"
+        input:
+            results=[listing(paper, "verdicts"), listing(paper, "compare")],
+            tables=[
+                f"papers/{paper}/{table}"
+                for table in (
+                    "paper.toml",
+                    "claims.csv",
+                    "errata.csv",
+                    "not_checked.csv",
+                )
+            ],
+            code=sources(ROOT, "page", paper),
+            templates=sorted(str(path) for path in Path("workflow/report").glob("*")),
+        output:
+            f"results/{paper}/index.html",
+            listing(paper, "page"),
+        params:
+            paper=paper,
+        shell:
+            "python -m gainsay.steps.page {params.paper:q}"
+
+    rule:
+        name:
+            paper
+        input:
+            listing(paper, "page"),
+        output:
+            touch(f"results/{paper}/.checked"),
+        params:
+            paper=paper,
+        shell:
+            "gainsay check {params.paper:q}"

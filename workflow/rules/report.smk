@@ -1,24 +1,18 @@
-# The page over all papers, one to attach to each, and one table of verdicts.
+# The tables and the page over all papers. A run of some papers alone leaves them as they are.
 
 
 rule report:
     input:
-        [f"results/{paper}/verdicts.csv" for paper in PAPERS],
-        [f"results/{paper}/parts/figures.files.csv" for paper in PAPERS],
-        [
-            f"papers/{paper}/{table}.csv"
-            for paper in PAPERS
-            for table in ("errata", "not_checked", "recorded")
-        ],
-        library("report", "lmi", "systems", "dynamics", "simulation", "figures"),
+        [listing(paper, "page") for paper in ALL],
+        sources(ROOT, "report"),
         sorted(str(path) for path in Path("workflow/report").glob("*")),
     output:
         "results/index.html",
         "results/verdicts.csv",
-        [f"results/{paper}/index.html" for paper in PAPERS],
+        "results/published.csv",
+        "results/differences.csv",
+        "results/report.files.csv",
     params:
-        papers=PAPERS,
-    message:
-        "pages over all papers"
+        papers=ALL,
     shell:
-        "python -m gainsay.steps.report {params.papers}"
+        "python -m gainsay.steps.report {params.papers:q}"

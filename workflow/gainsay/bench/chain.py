@@ -65,19 +65,12 @@ class _Discard:
     def __init__(self, case: Case) -> None:
         self.case = case
 
-    def read_design(self, name: str) -> object:
-        from gainsay.tables.results import read_design
-
-        return read_design(self.case.root, self.case.name, name)
-
     def __getattr__(self, name: str) -> object:
         return lambda *arguments, **named: None
 
 
 def _integrate(case: Case, run: object) -> None:
-    from gainsay.tables.results import Designs
-
-    run.simulate(case, Designs(case), _Discard(case))
+    run.simulate(case, case.designs, _Discard(case))
 
 
 def proofs(case: Case) -> Iterator[Row]:

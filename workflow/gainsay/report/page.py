@@ -120,10 +120,15 @@ def render_paper(found: PaperResults) -> str:
     return _environment().get_template("paper.html.j2").render(p=paper_page(found))
 
 
-def write_pages(root: Path, papers: Sequence[PaperResults]) -> list[Path]:
-    """Write all pages and return their paths, the one over all papers first."""
-    pages = {root / "results" / "index.html": render_index(papers)}
-    pages.update({found.case.results / "index.html": render_paper(found) for found in papers})
-    for path, text in pages.items():
-        write_atomically(path, text)
-    return list(pages)
+def write_paper(found: PaperResults) -> Path:
+    """Write the page of a paper and return its path."""
+    path = found.case.results / "index.html"
+    write_atomically(path, render_paper(found))
+    return path
+
+
+def write_index(root: Path, papers: Sequence[PaperResults]) -> Path:
+    """Write the page over all papers and return its path."""
+    path = root / "results" / "index.html"
+    write_atomically(path, render_index(papers))
+    return path

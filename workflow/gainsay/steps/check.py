@@ -1,31 +1,51 @@
-"""Hold all results against what is on record and write results/differences.csv (only its header when clean)."""
+"""The last word: files as they were left, certificates checked again, everything as on record. Writes nothing."""
 
-import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from gainsay.errors import InputError
-from gainsay.steps.command import CLEAN, refuse
-from gainsay.tables import find_root, read_case
-from gainsay.tables.files import write_csv
-from gainsay.verdicts.differences import DIFFERENCE_COLUMNS, Difference, differences
+from gainsay.tables import Case
+from gainsay.tables.listing import damage
+from gainsay.tables.results import STEPS
+from gainsay.verdicts.differences import Difference, differences
+from gainsay.verdicts.evidence import read_evidence
+
+#: steps whose files a paper's results consist of
+LISTED = (*STEPS, "verdicts", "compare", "page")
 
 
-def write_differences(root: Path, papers: list[str]) -> list[Difference]:
-    """Write results/differences.csv for some papers and return its rows."""
-    found = [row for paper in papers for row in differences(read_case(root, paper))]
-    write_csv(root / "results" / "differences.csv", DIFFERENCE_COLUMNS, found)
+def file_differences(case: Case) -> Iterator[Difference]:
+    """Yield every file of a paper that is not as its step left it."""
+    for step in LISTED:
+        for file, how in damage(case.results / "parts" / f"{step}.files.csv", case.results):
+            yield case.name, "file", file, "as the step left it", how, f"made by the step {step}"
+
+
+def certificate_differences(case: Case) -> Iterator[Difference]:
+    """Check every certificate of a paper again and yield those that are refused."""
+    for name, reason in read_evidence(case).refused.items():
+        yield case.name, "certificate", name, "accepted", "refused", reason
+
+
+def shared_differences(root: Path) -> Iterator[Difference]:
+    """Yield every file over all papers that is not as the report left it."""
+    for file, how in damage(root / "results" / "report.files.csv", root / "results"):
+        yield "all papers", "file", file, "as the step left it", how, "made by the step report"
+
+
+def check(cases: Sequence[Case]) -> list[Difference]:
+    """Return all that keeps the results of some papers from being clean.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+
+    Raises
+    ------
+    InputError
+        If a results table is missing or malformed.
+    """
+    found: list[Difference] = []
+    for case in cases:
+        own = [*file_differences(case), *certificate_differences(case), *differences(case)]
+        found += dict.fromkeys(own)
     return found
-
-
-def main() -> int:
-    """Write the differences of the papers named; succeeds whatever they are, so that the file stays."""
-    try:
-        found = write_differences(find_root(), sys.argv[1:])
-    except InputError as error:
-        return refuse(error)
-    print(f"check       {len(found)} differences in {len(sys.argv) - 1} papers, see results/differences.csv")
-    return CLEAN
-
-
-if __name__ == "__main__":
-    sys.exit(main())

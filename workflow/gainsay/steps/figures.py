@@ -32,6 +32,8 @@ def figures(case: Case) -> None:
             for ending in ("svg", "png"):
                 (case.results / "figures" / f"{figure.name}.{ending}").unlink(missing_ok=True)
             draw(case, figure)
+            for ending in ("svg", "png"):
+                results.made(f"figures/{figure.name}.{ending}")
             results.say(figure.name, f"from {', '.join(figure.runs) or 'the quantities'}")
     results.close()
 

@@ -1,36 +1,46 @@
-"""Join the verdicts of all papers in one table and write the pages from tables and result files alone."""
+"""Join the tables of all papers and write the page over them."""
 
 import argparse
 import sys
-from collections.abc import Mapping, Sequence
-from importlib import import_module
+from collections.abc import Sequence
 from pathlib import Path
 
 from gainsay.errors import InputError
-from gainsay.report import PaperResults, read_results, write_pages
+from gainsay.report import PaperResults, write_index
 from gainsay.steps.command import CLEAN, refuse
+from gainsay.steps.page import results_of
 from gainsay.tables import find_root, read_case
-from gainsay.tables.files import write_csv
+from gainsay.tables.files import read_records, write_csv
+from gainsay.tables.listing import write_listing
+from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
+from gainsay.verdicts.published import PUBLISHED_COLUMNS
 from gainsay.verdicts.table import VERDICT_COLUMNS
 
+#: joined over the papers: table -> columns, the paper's name first
+JOINED = {
+    "verdicts": ("paper", *VERDICT_COLUMNS),
+    "published": PUBLISHED_COLUMNS,
+    "differences": DIFFERENCE_COLUMNS,
+}
 
-def figure_runs(paper: str) -> Mapping[str, Sequence[str]] | None:
-    """Return the runs that each figure of a paper is drawn from, or None where its module cannot say."""
-    try:
-        return {figure.name: figure.runs for figure in import_module(f"papers.{paper}.figures").FIGURES}
-    except Exception:  # a paper's broken module must not cost the page; its step has said what broke
-        return None
+
+def _rows(path: Path, root: Path) -> list[dict[str, str]]:
+    """Rows of a paper's table; none where the step that writes it did not come so far."""
+    return read_records(path, root) if path.exists() else []
 
 
 def write_report(root: Path, papers: Sequence[PaperResults]) -> None:
-    """Write results/verdicts.csv, results/index.html and the page of each paper."""
-    rows = [
-        [found.case.name, *(row[column] for column in VERDICT_COLUMNS)]
-        for found in papers
-        for row in found.verdicts.values()
-    ]
-    write_csv(root / "results" / "verdicts.csv", ("paper", *VERDICT_COLUMNS), rows)
-    write_pages(root, papers)
+    """Write the joined tables and results/index.html, and the list of them."""
+    for table, columns in JOINED.items():
+        rows = [
+            [found.case.name if column == "paper" else row[column] for column in columns]
+            for found in papers
+            for row in _rows(found.case.results / f"{table}.csv", root)
+        ]
+        write_csv(root / "results" / f"{table}.csv", columns, rows)
+    write_index(root, papers)
+    files = {"index.html": "", **{f"{table}.csv": "" for table in JOINED}}
+    write_listing(root / "results" / "report.files.csv", root / "results", files)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -41,14 +51,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         root = find_root(options.root)
-        cases = [read_case(root, paper) for paper in dict.fromkeys(options.papers)]
-        papers = [read_results(case, figure_runs(case.name)) for case in cases]
+        sys.path.insert(0, str(root))  # the modules of a paper come from the same project as its tables
+        papers = [results_of(read_case(root, paper)) for paper in dict.fromkeys(options.papers)]
         write_report(root, papers)
     except InputError as error:
         return refuse(error)
-    for found in papers:
-        for lost in found.missing:
-            print(f"{found.case.name}  report      {lost}")
     claims = sum(len(found.verdicts) for found in papers)
     print(f"report      {claims} verdicts of {len(papers)} papers, see results/index.html")
     return CLEAN

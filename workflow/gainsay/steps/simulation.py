@@ -8,7 +8,7 @@ from gainsay.logs import LogWriter, RunSpec, read_log
 from gainsay.steps.command import step_command
 from gainsay.tables import Case
 from gainsay.tables.files import read_text
-from gainsay.tables.results import Designs, Results
+from gainsay.tables.results import Results
 
 
 def provenance(case: Case, run: RunSpec) -> dict[str, str]:
@@ -38,7 +38,8 @@ def simulate(case: Case, run: RunSpec, results: Results) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     parameters = read_text(case.folder / "parameters.csv", case.root).encode()
     with LogWriter(path, provenance=provenance(case, run), attachments={"parameters.csv": parameters}) as log:
-        run.simulate(case, Designs(case), log)
+        run.simulate(case, case.designs, log)
+    results.made(f"logs/{run.name}.mcap")
     measure(case, run, results)
     size = path.stat().st_size / 1e6
     results.say(run.name, f"{case.paper.runs[run.name]}, {size:.1f} MB")

@@ -6,12 +6,16 @@ from collections import Counter
 from gainsay.steps.command import step_command
 from gainsay.tables import Case
 from gainsay.tables.files import write_csv
+from gainsay.tables.listing import write_listing
 from gainsay.tables.results import PARTS, read_part
 from gainsay.verdicts.table import VERDICT_COLUMNS, verdict_rows
 
+#: what the step writes below the paper's results
+TABLES = (*PARTS, "certificates", "verdicts")
+
 
 def verdicts(case: Case) -> None:
-    """Write quantities.csv, gains.csv, failures.csv and verdicts.csv of a paper."""
+    """Write the joined tables of a paper, its certificates with what the checker says, and its verdicts."""
     for part, columns in PARTS.items():
         rows = [[row[column] for column in columns] for row in read_part(case, part)]
         write_csv(case.results / f"{part}.csv", columns, rows)
@@ -21,6 +25,8 @@ def verdicts(case: Case) -> None:
         *((name, False, reason) for name, reason in evidence.refused.items()),
     ])  # fmt: skip
     write_csv(case.results / "verdicts.csv", VERDICT_COLUMNS, [[row[c] for c in VERDICT_COLUMNS] for row in rows])
+    files = {f"{table}.csv": "" for table in TABLES}
+    write_listing(case.results / "parts" / "verdicts.files.csv", case.results, files)
     counts = Counter(row["verdict"] for row in rows)
     said = ", ".join(f"{counts[verdict]} {verdict}" for verdict in counts)
     print(f"{case.name}  verdicts    {len(rows)} claims: {said}; {len(evidence.certificates)} certificates checked")

@@ -23,7 +23,9 @@ def views(case: Case) -> None:
             path.with_suffix(".rrd").unlink(missing_ok=True)  # an old view must not stand for a log that fails now
             if not path.is_file():
                 raise ComputationError(run, "the run left no log")
-            write_views(path, layout)
+            for made in write_views(path, layout):
+                derived = made.suffix == ".rrd"  # its bytes are never the same twice
+                results.made(f"logs/{made.name}", of=f"logs/{path.name}" if derived else "")
             results.say(run, f"{path.with_suffix('.rrd').name} opens with its layout")
     results.close()
 

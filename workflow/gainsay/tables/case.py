@@ -30,6 +30,8 @@ from gainsay.tables.models import (
 from gainsay.tables.reading import PrintedMatrix, read_matrix, read_paper_file, read_rows
 from gainsay.tables.units import to_si
 
+_NAME = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
+_LONGEST_NAME = 60
 _MATRIX = re.compile(r"(?P<file>printed/[A-Za-z0-9_]+\.csv) (?P<rows>[1-9]\d*)x(?P<columns>[1-9]\d*)")
 
 
@@ -137,9 +139,34 @@ def find_root(start: Path | None = None) -> Path:
     raise InputError("not inside a project", value=str(start), expected="a folder with Snakefile and papers/ above it")
 
 
+def checked_name(name: str) -> str:
+    """Return the name of a paper's folder if it may be one: it becomes a module, a rule and part of a command.
+
+    Raises
+    ------
+    InputError
+        If it is anything but lower-case letters, digits and underscores, beginning with a letter.
+    """
+    if _NAME.fullmatch(name) is None or len(name) > _LONGEST_NAME:
+        expected = f"up to {_LONGEST_NAME} lower-case letters, digits and underscores, a letter first"
+        raise InputError("name of a paper", value=name[:_LONGEST_NAME], expected=expected)
+    return name
+
+
 def paper_names(root: Path) -> list[str]:
-    """Return the names of all papers: the folders of `papers` that hold a `paper.toml`."""
-    return sorted(path.parent.name for path in (root / "papers").glob("*/paper.toml"))
+    """Return the names of all papers: the folders of `papers` that hold a `paper.toml`.
+
+    Raises
+    ------
+    InputError
+        If a folder has a name that no paper may have, or holds tables and no ``paper.toml``.
+    """
+    folders = sorted({path.parent for path in (root / "papers").glob("*/*") if path.suffix in (".csv", ".toml")})
+    for folder in folders:
+        checked_name(folder.name)
+        if not (folder / "paper.toml").is_file():
+            raise InputError("file not found", file=f"papers/{folder.name}/paper.toml", expected="a readable file")
+    return [folder.name for folder in folders]
 
 
 def _by(rows: dict[int, object], key: str | tuple[str, ...], file: str) -> Mapping[Any, object]:
@@ -215,9 +242,7 @@ def read_case(root: Path, paper: str) -> Case:
     InputError
         At the first fault, naming file, row, field, value and what was expected.
     """
-    if paper not in paper_names(root):
-        if paper in {path.parent.name for path in (root / "papers").glob("*/*.csv")}:
-            raise InputError("file not found", file=f"papers/{paper}/paper.toml", expected="a readable file")
+    if checked_name(paper) not in paper_names(root):
         known = ", ".join(paper_names(root)) or "a folder of papers/ with a paper.toml"
         raise InputError("unknown paper", value=paper, expected=known)
     folder = root / "papers" / paper

@@ -12,15 +12,37 @@ from pathlib import Path
 
 from gainsay.errors import InputError
 
+_PART = ".part"
+_UMASK = os.umask(0o022)  # it can only be read by setting it
+os.umask(_UMASK)
+
+
+def remove_abandoned(folder: Path) -> None:
+    """Remove temporary files below a folder whose process was killed before it could rename or remove them."""
+    for path in folder.rglob(f".*{_PART}"):
+        owner = path.name.split(".")[1]
+        if not owner.isdigit() or not _lives(int(owner)):
+            path.unlink(missing_ok=True)
+
+
+def _lives(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True
+
 
 def write_atomically(path: Path, data: bytes | str) -> None:
     """Write a file under a temporary name, then rename it: readers never see half a file."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{os.getpid()}.", suffix=_PART)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data.encode() if isinstance(data, str) else data)
-        Path(temporary).chmod(0o644)  # mkstemp makes files private; results are for everybody
+        Path(temporary).chmod(0o666 & ~_UMASK)  # mkstemp makes files private; results are as private as one wants them
         Path(temporary).replace(path)
     except BaseException:
         with suppress(FileNotFoundError):

@@ -1,7 +1,7 @@
-"""What a step writes: quantities, certificates, designs, gains, scans and failures, each file whole or not at all."""
+"""What a step writes: quantities, certificates, gains, scans and failures, each file whole or not at all."""
 
-import json
 import math
+import os
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -13,7 +13,8 @@ import numpy as np
 
 from gainsay.errors import ComputationError, GainsayError, InputError
 from gainsay.tables.case import Case
-from gainsay.tables.files import read_csv, read_text, write_atomically, write_csv, write_json
+from gainsay.tables.files import read_csv, remove_abandoned, write_atomically, write_csv, write_json
+from gainsay.tables.listing import write_listing
 from gainsay.tables.reading import PrintedMatrix
 
 QUANTITY_COLUMNS = ("quantity", "value", "unit", "lower", "upper", "method", "source")
@@ -32,6 +33,9 @@ PARTS = {
 }
 #: steps that keep records, in the order of the workflow
 STEPS = ("synthesis", "audit", "simulation", "figures", "views")
+
+#: whether every line of a step's log is printed too (GAINSAY_VERBOSE=1), as one wants it who works on a paper
+VERBOSE = os.environ.get("GAINSAY_VERBOSE", "") not in ("", "0")
 
 TaskFunction = Callable[[Case, "Results"], None]
 
@@ -68,8 +72,10 @@ class Results:
         self._rows: dict[str, list[Sequence[object]]] = {part: [] for part in PARTS}
         self._seen: set[str] = set()
         self._attempts: list[dict[str, object]] = []
-        self._written: list[str] = []
+        self._written: dict[str, str] = {}
+        self._lines: list[str] = []
         self._said = False
+        self._begun = time.perf_counter()
         self._clock = time.perf_counter()
         self._forget_earlier_files()
 
@@ -78,8 +84,9 @@ class Results:
 
     def _forget_earlier_files(self) -> None:
         """Delete what an earlier run of the step left, so that an interrupted step does not look like a done one."""
+        remove_abandoned(self.case.results)
         if self._listing().is_file():
-            for _, (file,) in read_csv(self._listing())[1]:
+            for _, (file, *_) in read_csv(self._listing())[1]:
                 (self.case.results / file).unlink(missing_ok=True)
             self._listing().unlink()
         for part in PARTS:
@@ -95,8 +102,21 @@ class Results:
     def _file(self, relative: str) -> Path:
         if relative in self._written:
             raise ComputationError(relative, "written twice")
-        self._written.append(relative)
+        self._written[relative] = ""
         return self.case.results / relative
+
+    def made(self, relative: str, *, of: str = "") -> None:
+        """List a file that the step has written by other means: a log, a figure, a view.
+
+        Parameters
+        ----------
+        relative : str
+            Below the paper's results.
+        of : str, optional
+            The file it is made of and held against, where its own bytes are never the same twice.
+        """
+        self._file(relative)
+        self._written[relative] = of
 
     def quantity(
         self,
@@ -164,17 +184,6 @@ class Results:
                 raise ComputationError(certificate.id, f"certificate refused: {error}") from error
         write_atomically(self._file(f"certificates/{certificate.id}.json"), certificate.to_json())
 
-    def design(self, name: str, *, note: str = "", **matrices: np.ndarray) -> None:
-        """Write the gains of a design that a later step simulates."""
-        content = {key: np.asarray(value, dtype=float).tolist() for key, value in matrices.items()}
-        if not all(np.isfinite(value).all() for value in content.values()):
-            raise ComputationError(name, "the design has entries that are not finite")
-        write_json(self._file(f"designs/{name}.json"), {"name": name, "note": note, "matrices": content})
-
-    def read_design(self, name: str) -> dict[str, np.ndarray]:
-        """Read a design of this paper."""
-        return Designs(self.case)[name]
-
     def gains(
         self,
         gain: str,
@@ -238,10 +247,13 @@ class Results:
         self._attempts.append({"where": where, "content": content})
 
     def say(self, where: str, found: str) -> None:
-        """Print a progress line: paper, step, place in the paper, what was found, seconds since the last line."""
+        """Keep a line of the step's log: paper, step, place in the paper, what was found, seconds since the last."""
         now = time.perf_counter()
         head = f"{self.case.name}  {self.step:<10}  {where}  {found}"
-        print(f"{head:<100}  {now - self._clock:6.1f} s", flush=True)
+        line = f"{head:<100}  {now - self._clock:6.1f} s"
+        self._lines.append(line)
+        if VERBOSE or found.startswith("FAILED"):
+            print(line, flush=True)
         self._clock, self._said = now, True
 
     @contextmanager
@@ -270,12 +282,21 @@ class Results:
                 self.say(where, "done")
 
     def close(self) -> None:
-        """Write the tables of this step."""
-        parts = self.case.results / "parts"
-        write_json(self.case.results / "attempts" / f"{self.step}.json", self._attempts, default=_listed)
-        write_csv(self._listing(), ("file",), [(file,) for file in sorted(self._written)])
+        """Write the tables of this step, then the list of all its files, and say in one line what it did."""
+        parts, attempts = self.case.results / "parts", self.case.results / "attempts"
+        write_json(attempts / f"{self.step}.json", self._attempts, default=_listed)
+        write_atomically(attempts / f"{self.step}.log", "".join(f"{line}\n" for line in self._lines))
+        made = dict(self._written)
         for part, columns in PARTS.items():
             write_csv(parts / f"{self.step}.{part}.csv", columns, self._rows[part])
+            made[f"parts/{self.step}.{part}.csv"] = ""
+        write_listing(self._listing(), self.case.results, made)
+        counts = [(len(self._rows["quantities"]), "numbers")]
+        for folder in ("certificates", "scans", "logs", "figures"):
+            counts.append((sum(file.startswith(f"{folder}/") for file in self._written), folder))
+        counts.append((len(self._rows["failures"]), "FAILED"))
+        found = ", ".join(f"{count} {noun}" for count, noun in counts if count) or "nothing to do"
+        print(f"{self.case.name}  {self.step:<10}  {found}  {time.perf_counter() - self._begun:.1f} s", flush=True)
 
 
 def run_tasks(results: Results, tasks: Iterable[TaskFunction]) -> None:
@@ -295,38 +316,3 @@ def read_part(case: Case, part: str) -> list[dict[str, str]]:
             header, lines = read_csv(path, case.root)
             rows += [dict(zip(header, cells, strict=True)) for _, cells in lines]
     return rows
-
-
-def read_design(root: Path, paper: str, name: str) -> dict[str, np.ndarray]:
-    """Read the gains of a design.
-
-    Raises
-    ------
-    ComputationError
-        If the step that makes it has not, or has failed.
-    """
-    path = root / "results" / paper / "designs" / f"{name}.json"
-    if not path.is_file():
-        raise ComputationError(name, "the design was not synthesised")
-    content = json.loads(read_text(path, root))
-    return {key: np.array(value, dtype=float) for key, value in content["matrices"].items()}
-
-
-class Designs(Mapping[str, dict[str, np.ndarray]]):
-    """The designs that the synthesis of a paper made, read when asked for."""
-
-    def __init__(self, case: Case) -> None:
-        self._case = case
-
-    def __getitem__(self, name: str) -> dict[str, np.ndarray]:
-        if name not in self._case.paper.designs:
-            raise KeyError(name)
-        if name in self._case.designs:
-            return dict(self._case.designs[name])
-        return read_design(self._case.root, self._case.name, name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._case.paper.designs)
-
-    def __len__(self) -> int:
-        return len(self._case.paper.designs)

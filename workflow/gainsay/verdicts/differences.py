@@ -105,8 +105,10 @@ def differences(case: Case) -> list[Difference]:
     found += _statement_differences(case)
     wanted = [f"logs/{run}.{ending}" for run in case.paper.runs for ending in ("mcap", "rrd")]
     wanted += [f"figures/{figure}.{ending}" for figure in case.paper.figures for ending in ("svg", "png")]
-    wanted += [f"designs/{design}.json" for design in case.paper.designs]
     for file in wanted:
         if not (case.results / file).is_file():
             found.append((case.name, "file", file, "present", "missing", ""))
+    for design in case.paper.designs:
+        if design not in case.designs:
+            found.append((case.name, "design", design, "in designs/", "missing", "found by `gainsay search`"))
     return found

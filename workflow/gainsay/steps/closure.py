@@ -1,0 +1,135 @@
+"""What a step depends on, read from its imports and its tables: the workflow reruns a step when one of these changes.
+
+Nothing is listed by hand, and nothing is imported to find out: imports are read as text, also those inside functions.
+What is loaded by name is known: the modules of a paper that a step runs, and everything in `gainsay.proof`, whose kinds
+of proof are found by their names.
+"""
+
+import ast
+import csv
+import hashlib
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+#: the modules of a paper that each step runs
+PAPER_MODULES = {
+    "synthesis": ("synthesis",),
+    "audit": ("audit",),
+    "simulation": ("runs",),
+    "figures": ("figures",),
+    "views": ("runs",),
+    "verdicts": (),
+    "compare": (),
+    "page": ("figures",),
+    "report": (),
+}
+#: packages whose modules are loaded by name: one that is imported stands for all of them
+BY_NAME = ("gainsay.proof",)
+#: columns of a table that computations depend on; the others are for readers
+COLUMNS = {
+    "claims.csv": ("id", "comparator", "quantity", "published", "unit", "tolerance"),
+    "quantities.csv": ("id", "unit", "step"),
+}
+
+
+def _file(root: Path, module: str) -> Path | None:
+    """Return the file of a module of the library or of a paper, or None."""
+    parts = module.split(".")
+    if parts[0] == "gainsay":
+        base = root / "workflow" / "gainsay"
+    elif parts[0] == "papers":
+        base = root / "papers"
+    else:
+        return None
+    place = base.joinpath(*parts[1:])
+    for path in (place.with_suffix(".py") if len(parts) > 1 else None, place / "__init__.py"):
+        if path is not None and path.is_file():
+            return path
+    return None
+
+
+@cache
+def _imported(path: Path) -> frozenset[str]:
+    """Return every module that a file may import, at its top or inside a function."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {name.name for name in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found |= {node.module, *(f"{node.module}.{name.name}" for name in node.names)}
+    return frozenset(found)
+
+
+def closure(root: Path, modules: Iterable[str]) -> list[Path]:
+    """Return the files of some modules and of all that they import, of the library and of the papers.
+
+    Parameters
+    ----------
+    root : Path
+        Project root.
+    modules : iterable of str
+        Names such as ``gainsay.steps.audit``.
+
+    Returns
+    -------
+    list of Path
+        Sorted; packages' ``__init__`` files among them.
+
+    Raises
+    ------
+    SyntaxError
+        If a file cannot be parsed; the step itself then says so, hence callers may pass over it.
+    """
+    found: dict[Path, None] = {}
+    waiting = list(modules)
+    while waiting:
+        name = waiting.pop()
+        parts = name.split(".")
+        for package in (".".join(parts[:k]) for k in range(1, len(parts) + 1)):
+            path = _file(root, package)
+            if path is None or path in found:
+                continue
+            found[path] = None
+            waiting += _imported(path)
+            if package in BY_NAME:
+                inside = (p for p in path.parent.rglob("*.py"))
+                waiting += [_module(root, p) for p in inside]
+    return sorted(found)
+
+
+def _module(root: Path, path: Path) -> str:
+    parts = path.relative_to(root / "workflow").with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def sources(root: Path, step: str, paper: str | None = None) -> list[str]:
+    """Return the source files that a step depends on, relative to the root.
+
+    A module of the paper that cannot be parsed stands for itself: the step that runs it says what is wrong.
+    """
+    found: set[Path] = set(closure(root, [f"gainsay.steps.{step}"]))
+    for module in PAPER_MODULES[step] if paper else ():
+        name = f"papers.{paper}.{module}"
+        try:
+            found |= set(closure(root, [name]))
+        except SyntaxError:
+            found |= set((root / "papers" / paper).glob("*.py"))
+    return sorted(str(path.relative_to(root)) for path in found)
+
+
+def table_digest(root: Path, paper: str) -> str:
+    """Return a digest of the columns of claims and quantities that computations depend on.
+
+    A word in a statement or a note changes nothing here, so that it makes no computation run again.
+    """
+    digest = hashlib.sha256()
+    for table, columns in COLUMNS.items():
+        path = root / "papers" / paper / table
+        try:
+            with path.open(newline="", encoding="utf-8") as file:
+                rows = [[row.get(column) for column in columns] for row in csv.DictReader(file)]
+        except (OSError, UnicodeDecodeError, csv.Error):
+            rows = [[str(path)]]  # whatever is wrong with it, the steps refuse it
+        digest.update(repr(rows).encode())
+    return digest.hexdigest()

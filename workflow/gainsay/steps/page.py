@@ -1,0 +1,36 @@
+"""Write the page of a paper from its tables and result files alone."""
+
+import sys
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+
+from gainsay.report import PaperResults, read_results, write_paper
+from gainsay.steps.command import step_command
+from gainsay.tables import Case
+from gainsay.tables.listing import write_listing
+
+
+def figure_runs(paper: str) -> Mapping[str, Sequence[str]] | None:
+    """Return the runs that each figure of a paper is drawn from, or None where its module cannot say."""
+    try:
+        return {figure.name: figure.runs for figure in import_module(f"papers.{paper}.figures").FIGURES}
+    except Exception:  # a paper's broken module must not cost the page; its step has said what broke
+        return None
+
+
+def results_of(case: Case) -> PaperResults:
+    """Return all that pages say of a paper."""
+    return read_results(case, figure_runs(case.name))
+
+
+def page(case: Case) -> None:
+    """Write index.html of a paper."""
+    found = results_of(case)
+    write_paper(found)
+    write_listing(case.results / "parts" / "page.files.csv", case.results, {"index.html": ""})
+    for lost in found.missing:
+        print(f"{case.name}  page        {lost}")
+
+
+if __name__ == "__main__":
+    sys.exit(step_command(page, __doc__))
