@@ -1,6 +1,7 @@
 """The spacecraft of the paper: design model (1)-(3) and the two-body closed loop that its section 4 simulates."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -145,6 +146,29 @@ class ClosedLoop:
             return slope
 
         return derivative
+
+    def many_slopes(self):
+        """Return f(t, states (m, 12)) of m flights [x; estimate] at once, two-body plant, unclipped thrust."""
+        orbit, observer = target_orbit(self.case), self.model.A - self.L @ self.case.matrix("C")
+        through, drive, K = self.L @ self.case.matrix("C"), self.model.B, self.K
+        mass, anomaly = self.case.number("mass"), self.anomaly()
+
+        def slopes(t: float, states: np.ndarray) -> np.ndarray:
+            x, estimate = states[:, :6], states[:, ESTIMATE]
+            force = -estimate @ K.T
+            found = np.empty_like(states)
+            found[:, :3] = x[:, 3:]
+            free = relative_acceleration(orbit, float(anomaly(t)), tuple(x.T[:3]), tuple(x.T[3:]))
+            found[:, 3:6] = np.transpose(free) + force / mass
+            found[:, ESTIMATE] = estimate @ observer.T + force @ drive.T + x @ through.T
+            return found
+
+        return slopes
+
+    def anomaly(self) -> Callable[[float], float]:
+        """Return the true anomaly of the target over time, rad, from Kepler's equation."""
+        orbit, start = target_orbit(self.case), self.case.number("mean_anomaly_at_start")
+        return lambda t: true_anomaly(start + orbit.mean_motion * t, orbit.eccentricity)
 
     def kinks(self) -> tuple:
         """Return the functions at whose zeros clipping begins or ends."""

@@ -107,3 +107,30 @@ def test_too_few_samples_and_empty_ranges_are_refused():
         Plausible("x", low=1.0, high=1.0)
     with pytest.raises(InputError, match="positive range"):
         Plausible("x", low=0.0, high=1.0, logarithmic=True)
+
+
+def test_points_evaluated_together_give_the_same_scan_and_a_boundary_as_narrow():
+    def evaluate(p):
+        return p["x"] - 0.01 * p["y"]
+
+    one = run(evaluate, lambda v: v > 4.2)
+    calls = []
+
+    def together(points):
+        calls.append(len(points))
+        return [evaluate(p) for p in points]
+
+    all_ = run(evaluate, lambda v: v > 4.2, together=together)
+    assert (all_.outcome, all_.holding, all_.least, all_.greatest) == (
+        one.outcome,
+        one.holding,
+        one.least,
+        one.greatest,
+    )
+    assert calls[0] == all_.samples and len(calls) < 8
+    edge = all_.boundary
+    side = {**edge.at, edge.input: edge.fails}
+    assert evaluate(edge.at) > 4.2 >= evaluate(side)
+    assert abs(edge.holds - edge.fails) <= 2e-3 * 100  # a thousandth of the wider range
+    with pytest.raises(ComputationError, match="not a number"):
+        run(evaluate, bool, together=lambda points: [math.nan] * len(points))

@@ -134,8 +134,8 @@ def differential_gravity(
         m^3/s^2.
     radius : float
         Distance of the target from the Earth's centre, m.
-    x, y, z : float
-        Position of the chaser in LVLH, m.
+    x, y, z : float or ndarray
+        Position of the chaser in LVLH, m; arrays of one shape for many chasers.
 
     Notes
     -----
@@ -143,7 +143,7 @@ def differential_gravity(
     -mu / (r^3 (1 + f)) (d - f r).
     """
     q = (x * (x + 2 * radius) + y * y + z * z) / radius**2
-    cube = (1 + q) * math.sqrt(1 + q)
+    cube = (1 + q) * (np.sqrt(1 + q) if isinstance(q, np.ndarray) else math.sqrt(1 + q))
     f = q * (3 + 3 * q + q * q) / (1 + cube)
     factor = -gravitational_parameter / (radius**3 * cube)
     # mu/r^2 - mu r/rc^3 = mu/r^2 (1 - 1/cube) = mu/r^2 f/cube
@@ -161,8 +161,8 @@ def relative_acceleration(
         Orbit of the target.
     true_anomaly : float
         Of the target, rad.
-    position, velocity : tuple of 3 floats
-        Of the chaser relative to the target, in the rotating frame, m and m/s.
+    position, velocity : tuple of 3 floats or of 3 arrays of one shape
+        Of the chaser, or of many, relative to the target, in the rotating frame, m and m/s.
     """
     x, y, z = position
     vx, vy, _ = velocity
