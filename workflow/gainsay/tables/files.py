@@ -21,7 +21,7 @@ def remove_abandoned(folder: Path) -> None:
     """Remove temporary files below a folder whose process was killed before it could rename or remove them."""
     for path in folder.rglob(f".*{_PART}"):
         owner = path.name.split(".")[1]
-        if not owner.isdigit() or not _lives(int(owner)):
+        if owner.isdigit() and not _lives(int(owner)):
             path.unlink(missing_ok=True)
 
 
