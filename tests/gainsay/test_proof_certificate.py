@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -14,6 +15,7 @@ from gainsay.errors import CertificateError
 from gainsay.proof import Certificate, Conclusion, MappingTables, build, check, check_file
 from gainsay.proof.certificate import _digest
 from gainsay.tables import read_case
+from gainsay.tables.designs import FoundDesign, read_design, write_design
 
 CLAIM = {"where": "(1)", "kind": "stability", "statement": "The loop is stable.", "quantity": "loop.abscissa"}
 
@@ -348,31 +350,25 @@ def test_a_claim_needs_a_conclusion_on_its_quantity():
         check(example().changed(conclusions=other), tables())
 
 
-def test_designs_are_read_from_the_results(tmp_path):
-    folder = tmp_path / "results" / "spring" / "designs"
-    folder.mkdir(parents=True)
-    (folder / "repaired.json").write_text(
-        json.dumps({"name": "repaired", "note": "", "matrices": {"K": [[0.1, -2.5]]}})
-    )
-    declared = SimpleNamespace(designs={"repaired": "of ours"})
-    case = SimpleNamespace(
-        designs={}, root=tmp_path, name="spring", quantities={"gain": None}, claims={}, paper=declared
-    )  # fmt: skip
+def test_designs_are_read_from_the_tables_exactly(tmp_path):
+    def case(second):
+        found = FoundDesign("one", "picked", {"K": np.array([[0.1, second]])}, True, {})
+        designs = {"repaired": read_design(write_design(tmp_path, "repaired", found))}
+        return SimpleNamespace(designs=designs, root=tmp_path, name="spring", quantities={"gain": None}, claims={})
+
     certificate = build.certificate(
         "enclosed",
         id="gain",
         paper="spring",
         statement="The second gain.",
-        tables=case,
+        tables=case(-2.5),
         fields={"formula": "design('repaired', 'K')[0, 1]"},
         quantities={"value": "gain"},
     )
-    assert [c.value for c in check(certificate, case).conclusions] == ["-2.5..-2.5"]
-    (folder / "repaired.json").write_text(
-        json.dumps({"name": "repaired", "note": "", "matrices": {"K": [[0.1, -2.6]]}})
-    )
+    assert [c.value for c in check(certificate, case(-2.5)).conclusions] == ["-2.5..-2.5"]
     with pytest.raises(CertificateError, match=r"repaired\.K"):
-        check(certificate, case)
-    (folder / "repaired.json").unlink()
+        check(certificate, case(-2.6))
+    gone = case(-2.5)
+    gone.designs = {}
     with pytest.raises(CertificateError, match=r"repaired\.K"):
-        check(certificate, case)
+        check(certificate, gone)
