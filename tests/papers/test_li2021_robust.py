@@ -10,7 +10,7 @@ from gainsay.errors import CertificateError, ComputationError
 from gainsay.lmi import Solved, solve
 from gainsay.proof import check
 from gainsay.tables import read_case
-from papers.li2021 import arcs, certify, design, identities, lmis, plant, proofs, robust, synthesis
+from papers.li2021 import arcs, certify, design, identities, lmis, plant, proofs, robust, searches
 from papers.li2021.figures import FIGURES
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -222,11 +222,12 @@ def test_full_certificate_refuses_forged_arcs(case, whole):
     assert "does not follow" in refused(whole, case, conclusions=tuple(beyond))
 
 
-def test_every_figure_has_a_caption_and_every_stage_its_quantities(case):
+def test_every_figure_has_a_caption_and_every_point_of_the_trade_off_its_quantities(case):
     assert {figure.name for figure in FIGURES} == set(case.paper.figures)
-    count = len(synthesis.STAGES) + len(synthesis.ASIDE)
-    for number in range(1, count + 1):
+    numbers = {int(name.removeprefix("tradeoff_")) for name in searches.TRADE_OFF}
+    assert numbers == set(range(1, len(numbers) + 1))
+    for number in numbers:
         assert {f"tradeoff.{number}.{what}" for what in ("delta_m", "static_gain", "norm", "disk_radius")} <= set(
             case.quantities
         )
-    assert f"tradeoff.{count + 1}.delta_m" not in case.quantities
+    assert f"tradeoff.{len(numbers) + 1}.delta_m" not in case.quantities
