@@ -15,7 +15,9 @@ from gainsay.proof import Conclusion, MappingTables, build
 from gainsay.proof.checker import ends, implied
 from gainsay.proof.kinds import Proved, eigenvalues
 
-TABLES = MappingTables(numbers={"b": "2"}, printed={"v": [["0.50", "0.25"]], "s": [["1.0", "0.50"], ["0.5", "1.0"]]})
+TABLES = MappingTables(
+    numbers={"b": "2"}, printed={"v": [["0.50", "0.25"]], "w": [["2.0", "3.0"]], "s": [["1.0", "0.50"], ["0.5", "1.0"]]}
+)
 X, ROW, S = {"x": {}}, {"x": {"shape": [1, 2]}}, {"x": {"shape": [2, 2], "structure": "symmetric"}}
 
 
@@ -159,6 +161,10 @@ FALSE = [
            farkas("x @ col(2, -1) >= 0.764", witness="1", unknowns=ROW, **BOX),
            farkas("x[0, 1] >= 0.504", witness="1", unknowns=S, boxes={"x": "s"}),
            farkas("x[0, 1] <= 0.496", witness="1", unknowns=S, boxes={"x": "s"}),
+           # within the box of w the product is near 6 and the square near 4: what is not affine is not bounded
+           farkas("x[0, 0] * x[0, 1] >= 5", witness="1", unknowns=ROW, boxes={"x": "w"}),
+           farkas("x[0, 0]**2 >= 3", witness="1", unknowns=ROW, boxes={"x": "w"}),
+           farkas("x[0, 0]**2 * x[0, 1] >= 5", witness="1", unknowns=ROW, boxes={"x": "w"}),
            farkas("x*x >= 1", witness="1"), farkas("x*x <= -1", witness="1"),
            farkas("-[[1, x], [x, 0]] >= 0", witness=[[["1", "0"], ["0", "-1"]]]),
            farkas("[[0, 1], [0, 0]] > 0", witness=[[["1", "-5"], ["-5", "100"]]]),
