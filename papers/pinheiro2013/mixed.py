@@ -7,7 +7,7 @@ from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 from scipy.optimize import minimize, root
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.lmi import BlockMatrix, Failed, Infeasible, Program, Scale, Solved, matrix, solve, sym, symmetric, trace
+from gainsay.lmi import BlockMatrix, Undecided, Infeasible, Program, Scale, Solved, matrix, solve, sym, symmetric, trace
 from gainsay.systems.norms import h2_norm, hinf_norm
 from papers.pinheiro2013.plant import GeneralizedPlant
 
@@ -146,7 +146,7 @@ def mixed_design(plant: GeneralizedPlant, gamma: float, *, margin: float = 1e-7)
         If the solver's point does not hold, or its gain violates (23).
     """
     found = solve(mixed_program(plant, gamma, margin=margin))
-    if isinstance(found, Failed):
+    if isinstance(found, Undecided):
         raise found.error
     if isinstance(found, Infeasible):
         raise ComputationError("(21)", f"infeasible at gamma = {gamma!r} although above gamma_min", found.attempts)

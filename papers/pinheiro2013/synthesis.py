@@ -3,7 +3,7 @@
 import numpy as np
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.lmi import Failed, Infeasible, Infimum, Solved, infimum, sweep
+from gainsay.lmi import Undecided, Infeasible, Infimum, Solved, infimum, sweep
 from gainsay.proof import build
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
 from gainsay.tables.results import task
@@ -33,7 +33,7 @@ def best(plant: GeneralizedPlant, gamma: float) -> Infimum:
         If it was not enclosed.
     """
     found = infimum(mixed.mixed_program(plant, gamma))
-    if isinstance(found, Failed):
+    if isinstance(found, Undecided):
         raise found.error
     if isinstance(found, Infeasible):
         raise ComputationError("(21)", f"infeasible at gamma = {gamma!r} although above gamma_min", found.attempts)

@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Failed, Infeasible, Infimum, Solved, infimum, positive, ranges, solve, symmetric
+from gainsay.lmi import Undecided, Infeasible, Infimum, Solved, infimum, positive, ranges, solve, symmetric
 from gainsay.systems.statespace import spectral_abscissa
 from gainsay.tables import Case
 from gainsay.tables.results import Results, task
@@ -27,7 +27,7 @@ from papers.wan2014.plant import AXES
 SUBPROBLEM = "(14) rows 1, 3, 5, 7 with (30), (31)"
 
 
-def _log(results: Results, where: str, found: Infimum | Solved | Infeasible | Failed) -> None:
+def _log(results: Results, where: str, found: Infimum | Solved | Infeasible | Undecided) -> None:
     results.attempt(where, list(found.attempts))
 
 

@@ -2,9 +2,9 @@
 
 from gainsay.lmi.affine import Affine, Variable, affine, diagonal, matrix, positive, scalar, sym, symmetric, trace
 from gainsay.lmi.blocks import BlockMatrix, Definite, Entrywise, Equal, block_diagonal, equal, within
-from gainsay.lmi.duality import Farkas
+from gainsay.lmi.outcomes import Farkas, Infeasible, Infimum, Solved, Unbounded, Undecided
 from gainsay.lmi.program import Check, Program, Scale
-from gainsay.lmi.solving import Failed, Infeasible, Infimum, Solved, infimum, solve
+from gainsay.lmi.solving import infimum, solve
 from gainsay.lmi.sweep import Range, Threshold, ranges, sweep, threshold
 
 __all__ = [
@@ -14,7 +14,6 @@ __all__ = [
     "Definite",
     "Entrywise",
     "Equal",
-    "Failed",
     "Farkas",
     "Infeasible",
     "Infimum",
@@ -23,6 +22,8 @@ __all__ = [
     "Scale",
     "Solved",
     "Threshold",
+    "Unbounded",
+    "Undecided",
     "Variable",
     "affine",
     "block_diagonal",

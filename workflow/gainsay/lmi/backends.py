@@ -3,8 +3,11 @@
 Nothing a solver says is taken as a result: points and multipliers go through `solving` and `duality`, which recompute.
 """
 
+import os
+import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -58,12 +61,14 @@ def run(scaled: Scaled, constraints: Sequence, margin: float, setting: str = "cl
     constraints : sequence of constraints
         Same order as in `scaled`.
     margin : float
-        Subtracted from the diagonal of strict inequalities and from the entries of entrywise ones.
+        Subtracted from the diagonal of strict inequalities and from the entries of entrywise ones; a hundredth of it
+        from closed ones, so that points come out inside by more than the solver's tolerance.
     setting : str
         Key of `SETTINGS`.
     """
     try:
-        return (_cvxpy if SETTINGS[setting] is None else _clarabel)(scaled, constraints, margin, setting)
+        with _quiet():
+            return (_cvxpy if SETTINGS[setting] is None else _clarabel)(scaled, constraints, margin, setting)
     except (KeyboardInterrupt, SystemExit, MemoryError):
         raise
     except BaseException as error:  # a panic inside Clarabel does not derive from Exception
@@ -71,9 +76,32 @@ def run(scaled: Scaled, constraints: Sequence, margin: float, setting: str = "cl
         return Raw(None, record={"solver": setting, "status": "raised", "message": message})
 
 
+# part of the margin asked of closed inequalities
+_CLOSED = 0.01
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what a solver's panic prints off the terminal: it is in the record of the attempt."""
+    try:
+        sys.stderr.flush()
+        kept = os.dup(2)
+    except (OSError, ValueError, AttributeError):  # no standard error to keep clean
+        yield
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
+
+
 def _shifted(constraint: object, constant: np.ndarray, margin: float) -> np.ndarray:
     if isinstance(constraint, Definite):
-        return constant - (margin * np.eye(len(constant)) if constraint.strict else 0)
+        return constant - (1.0 if constraint.strict else _CLOSED) * margin * np.eye(len(constant))
     return constant - margin if isinstance(constraint, Entrywise) else constant
 
 

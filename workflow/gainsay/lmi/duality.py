@@ -1,80 +1,270 @@
-"""Multipliers that are checked: lower bounds on an optimum, and Farkas candidates of infeasibility.
+"""Multipliers that exist: lower bounds on an optimum, and refutations.
 
-A solver's multipliers satisfy their linear equations to its tolerance only. They are corrected here to rounding,
-and count only if they are still positive afterwards. An exact proof is the business of `gainsay.proof`.
+A solver's multipliers satisfy their linear equations to its tolerance only. Exact ones near them are proved to exist,
+in one of two ways: the equations are solved by a small step inside the range of the multipliers, which leaves them
+positive (`confined`); or by a small step of factors V_j of Z_j = V_j V_j', which are positive whatever the step
+(`factored`). The step is bounded by a right inverse and its defect, all in floats with proved rounding errors.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from flint import fmpq_mat
 
+from gainsay.exact.rational import to_fmpq
 from gainsay.lmi import backends, scaling
 from gainsay.lmi.affine import scalar
 from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.outcomes import Farkas
+from gainsay.lmi.points import is_strict
 from gainsay.lmi.program import Program
+from gainsay.lmi.rounding import RightInverse, gamma, norm, proved_positive
+
+# least relative eigenvalues kept of a multiplier, tried in turn
+_CUTS = (1e-3, 1e-5, 1e-7, 1e-2, 1e-9)
+# parts of the largest possible least eigenvalue that interior multipliers are asked for
+_PUSHES = (0.1, 1e-3, 1e-6)
 
 
 @dataclass(frozen=True)
-class Farkas:
-    """Multipliers Z_j >= 0 under which the weighted sum of all blocks is free of unknowns and not positive.
+class Multipliers:
+    """Floats beside exact multipliers of ``sum <coefficients, Z_j> = cost``, scaled coordinates.
 
     Attributes
     ----------
-    multipliers : dict
-        Label of each constraint to its multiplier, in unscaled coordinates, of trace about one altogether.
-    value : float
-        Sum of <constant part, Z_j>, scaled coordinates: at most 0 proves that strict inequalities cannot all hold.
-    residual : float
-        Largest coefficient left before an unknown, relative to the largest it has in a block (total trace one).
-    least : float
-        Least eigenvalue (or entry) of the multipliers, scaled coordinates, total trace one.
+    z : tuple of ndarray
+    low, high : float
+        Bounds on the sum of <constant part, Z_j> of the exact ones.
+    distance : float
+        Bound on the distance of all of z to the exact ones.
+    strict : bool
+        Whether a strict inequality is proved to carry weight.
     """
 
-    multipliers: dict[str, np.ndarray]
-    value: float
-    residual: float
-    least: float
+    z: tuple[np.ndarray, ...]
+    low: float
+    high: float
+    distance: float
+    strict: bool
 
     @property
-    def holds(self) -> bool:
-        """Whether the candidate holds to rounding."""
-        return self.residual < 1e-12 and self.least > -1e-13 and self.value < 1e-13
+    def refute(self) -> bool:
+        """Whether multipliers of cost zero refute their program."""
+        return self.high < 0 or (self.high <= 0 and self.strict)
 
 
-def _pairing(constraints: Sequence, tensors: Sequence, multipliers: Sequence) -> np.ndarray:
-    total = 0.0
-    for constraint, tensor, multiplier in zip(constraints, tensors, multipliers, strict=True):
-        if isinstance(constraint, Definite):
-            total = total + np.einsum("ijk,ij->k", tensor, multiplier)
-        else:
-            total = total + multiplier @ tensor
-    return total
+class System:
+    """The equations of the multipliers of a scaled program.
+
+    Parameters
+    ----------
+    scaled : Scaled
+    constraints : sequence of constraints
+    cost : ndarray
+        Right side; zero for a refutation.
+    """
+
+    def __init__(self, scaled: scaling.Scaled, constraints: Sequence, cost: np.ndarray) -> None:
+        self.scaled, self.constraints, self.cost = scaled, constraints, cost
+        flat = [t.reshape(-1, len(cost)) for t in scaled.tensors]
+        self.size = norm(np.concatenate([np.linalg.norm(t, axis=1) for t in flat])) if flat else 0.0
+        self.kept = _independent(np.vstack(flat), cost)
+
+    def solvable(self) -> bool:
+        """Whether the unknowns whose equations are left out are known to follow from the others."""
+        return self.kept is not None
+
+    def confined(self, multipliers: Sequence[np.ndarray], cut: float) -> Multipliers | None:
+        """Prove multipliers in the range of the given ones, eigenvalues below `cut` times the largest left out."""
+        frames, cores, columns, errors = [], [], [], []
+        top = _top(self.constraints, multipliers)
+        for constraint, tensor, z in zip(self.constraints, self._tensors(), multipliers, strict=True):
+            if isinstance(constraint, Definite):
+                frame = np.eye(len(z))
+                if cut > 0:
+                    values, vectors = np.linalg.eigh(z)
+                    frame = vectors[:, values > cut * top]
+                core = frame.T @ z @ frame
+                core = (core + core.T) / 2
+                column = tensor if cut <= 0 else np.einsum("ia,ijk,jb->abk", frame, tensor, frame, optimize=True)
+                columns.append(column.reshape(core.size, len(self.kept)))
+                errors.append(2 * gamma(2 * len(z)) * norm(tensor) * norm(frame) ** 2 if cut > 0 else 0.0)
+            else:
+                keep = np.ones(len(z), bool) if isinstance(constraint, Equal) else np.abs(z) > cut * top
+                frame, core = np.eye(len(z))[:, keep], z[keep]
+                columns.append(tensor[keep])
+                errors.append(0.0)
+            frames.append(frame)
+            cores.append(core)
+        stack, cost = np.vstack(columns), self.cost[self.kept]
+        met = self._met(frames) & (cost == 0)
+        if met.any():
+            stack, cost = stack[:, ~met], cost[~met]
+        blur = norm(np.array(errors))
+        inverse = RightInverse.of(stack.T, blur)
+        if inverse is None:
+            return None
+        core = np.concatenate([c.ravel() for c in cores])
+        for _ in range(2):
+            core = core - inverse.matrix @ (stack.T @ core - cost)
+        parts, place, lengths = [], 0, norm(core)
+        for c in cores:
+            part = core[place : place + c.size].reshape(c.shape)
+            parts.append((part + part.T) / 2 if c.ndim == 2 else part)
+            place += c.size
+        core = np.concatenate([p.ravel() for p in parts])
+        rest = norm(stack.T @ core - cost)
+        rest += gamma(len(core) + 1) * (norm(stack) * lengths + norm(cost)) + blur * lengths
+        step = inverse.reach(rest)
+        z, strict = [], False
+        for constraint, frame, part in zip(self.constraints, frames, parts, strict=True):
+            if isinstance(constraint, Definite):
+                if part.size and not proved_positive(part, step * np.eye(len(part))):
+                    return None
+                strict = strict or (bool(part.size) and is_strict(constraint))
+                z.append(frame @ part @ frame.T)
+            else:
+                if isinstance(constraint, Entrywise) and part.size and part.min() < step:
+                    return None
+                z.append(frame @ part)
+        spread = max((norm(f) for f in frames), default=1.0) if cut > 0 else 1.0
+        own = sum(4 * gamma(2 * len(f)) * norm(f) ** 2 * norm(p) for f, p in zip(frames, parts, strict=True))
+        return self._bounded(z, step * spread**2 + (own if cut > 0 else 0.0), strict)
+
+    def _met(self, frames: Sequence[np.ndarray]) -> np.ndarray:
+        """Unknowns that no entry within the frames holds: their equations are met whatever the cores."""
+        free = np.ones(len(self.kept), bool)
+        for tensor, frame in zip(self._tensors(), frames, strict=True):
+            rows = np.abs(frame).sum(axis=1) > 0
+            part = tensor[rows][:, rows] if tensor.ndim == 3 else tensor[rows]
+            free &= ~part.any(axis=tuple(range(part.ndim - 1)))
+        return free
+
+    def factored(self, multipliers: Sequence[np.ndarray], cut: float) -> Multipliers | None:
+        """Prove multipliers Z_j = V_j V_j' of the rank that `cut` leaves, by Gauss-Newton and a contraction."""
+        top = _top(self.constraints, multipliers)
+        factors: list[np.ndarray] = []
+        for constraint, z in zip(self.constraints, multipliers, strict=True):
+            if isinstance(constraint, Definite):
+                values, vectors = np.linalg.eigh(z)
+                large = values > cut * top
+                factors.append(vectors[:, large] * np.sqrt(values[large]))
+            elif isinstance(constraint, Equal):
+                factors.append(np.array(z))
+            else:
+                factors.append(np.sqrt(np.where(z > cut * top, z, 0.0)))
+        if sum(f.size for f in factors) < len(self.kept):
+            return None
+        for number in range(6):
+            slope, residual, blur, rest = self._linearised(factors)
+            inverse = RightInverse.of(slope, blur)
+            if inverse is None:
+                return None
+            step = inverse.reach(rest, self.size)
+            if number > 1 and np.isfinite(step):
+                break
+            move, place = -inverse.matrix @ residual, 0
+            for i, f in enumerate(factors):
+                factors[i] = f + move[place : place + f.size].reshape(f.shape)
+                place += f.size
+        if not np.isfinite(step):
+            return None
+        z, strict, spread = [], False, 0.0
+        for constraint, f in zip(self.constraints, factors, strict=True):
+            if isinstance(constraint, Definite):
+                z.append(f @ f.T)
+                strict = strict or (is_strict(constraint) and float(np.linalg.norm(f)) > 2 * step)
+                spread += 2 * norm(f) * step + step**2 + 2 * gamma(f.shape[1]) * norm(f) ** 2
+            elif isinstance(constraint, Equal):
+                z.append(f)
+                spread += step
+            else:
+                z.append(f**2)
+                spread += 2 * norm(f) * step + step**2 + gamma(1) * norm(f) ** 2
+        return self._bounded(z, spread, strict)
+
+    def _tensors(self) -> Iterator[np.ndarray]:
+        for tensor in self.scaled.tensors:
+            yield tensor if len(self.kept) == tensor.shape[-1] else tensor[..., self.kept]
+
+    def _linearised(self, factors: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, float, float]:
+        """Slope and residual of the equations at factors; bounds on the slope's error and on the residual."""
+        slopes, total = [], -self.cost[self.kept]
+        sizes = np.abs(total)
+        blur = 0.0
+        for constraint, tensor, f in zip(self.constraints, self._tensors(), factors, strict=True):
+            if isinstance(constraint, Definite):
+                half = np.einsum("ijk,jr->irk", tensor, f, optimize=True)
+                slopes.append(2 * half.reshape(f.size, len(self.kept)))
+                total = total + np.einsum("irk,ir->k", half, f)
+                weight = np.abs(f) @ np.abs(f).T
+                sizes = sizes + np.einsum("ijk,ij->k", np.abs(tensor), weight)
+                blur += 2 * gamma(len(f)) * norm(tensor) * norm(f)
+            elif isinstance(constraint, Equal):
+                slopes.append(tensor)
+                total = total + f @ tensor
+                sizes = sizes + np.abs(f) @ np.abs(tensor)
+            else:
+                slopes.append(2 * f[:, None] * tensor)
+                total = total + f**2 @ tensor
+                sizes = sizes + f**2 @ np.abs(tensor)
+                blur += 2 * gamma(1) * norm(tensor) * norm(f)
+        terms = sum(f.size for f in factors) + sum(len(c) for c in self.scaled.constants) + 4
+        return np.vstack(slopes).T, total, blur, norm(np.abs(total) + gamma(terms) * sizes)
+
+    def _bounded(self, z: Sequence[np.ndarray], distance: float, strict: bool) -> Multipliers:
+        value = sizes = constants = 0.0
+        for m, c in zip(z, self.scaled.constants, strict=True):
+            if np.any(m) and np.any(c):
+                value += float(np.sum(m * c))
+                sizes += float(np.sum(np.abs(m) * np.abs(c)))
+                constants = float(np.hypot(constants, norm(c)))
+        count = sum(m.size for m in z) + len(z)
+        spread = gamma(count) * sizes * 2 + constants * distance * (1 + 1e-9)
+        return Multipliers(tuple(z), value - spread, value + spread, distance, strict)
 
 
-def _sizes(program: Program, scaled: scaling.Scaled) -> np.ndarray:
-    """Largest coefficient of each coordinate."""
-    return np.max([np.abs(t).reshape(-1, program.size).max(axis=0, initial=0.0) for t in scaled.tensors], axis=0)
+def _top(constraints: Sequence, multipliers: Sequence[np.ndarray]) -> float:
+    sizes = [
+        (1e-7 if isinstance(c, Equal) else 1.0) * float(np.abs(m).max(initial=0.0))
+        for c, m in zip(constraints, multipliers, strict=True)
+    ]
+    return max(sizes, default=0.0)
 
 
-def _constant(multipliers: Sequence, constants: Sequence) -> float:
-    return float(sum(np.sum(z * c) for z, c in zip(multipliers, constants, strict=True)))
+def _independent(stack: np.ndarray, cost: np.ndarray) -> np.ndarray | None:
+    """Coordinates whose equations imply those of all others, exactly; None where this is not so or not known."""
+    used = np.flatnonzero(np.abs(stack).max(axis=0, initial=0.0) > 0)
+    if cost[np.setdiff1d(np.arange(len(cost)), used)].any():
+        return None
+    if RightInverse.of(stack[:, used].T) is not None:
+        return used
+    if stack.size > 60_000:
+        return None
+    lines = np.unique(np.vstack([stack[:, used]]), axis=0)
+    lines = lines[np.abs(lines).max(axis=1) > 0]
+    whole = fmpq_mat([[to_fmpq(float(v)) for v in line] for line in np.vstack([lines, cost[None, used]])])
+    _, rank = whole.rref()
+    reduced, own = fmpq_mat([[to_fmpq(float(v)) for v in line] for line in lines]).rref()
+    if own < rank:
+        return None  # no multipliers at all: the cost is not in the span of the coefficients
+    pivots = [next(j for j in range(len(used)) if reduced[i, j] != 0) for i in range(own)]
+    return used[pivots]
 
 
-def _least(constraints: Sequence, multipliers: Sequence) -> float:
-    least = [np.inf]
-    for constraint, multiplier in zip(constraints, multipliers, strict=True):
-        if isinstance(constraint, Definite):
-            least.append(np.linalg.eigvalsh(multiplier)[0])
-        elif not isinstance(constraint, Equal):
-            least.append(multiplier.min())
-    return float(min(least))
+def unscaled(constraints: Sequence, scale: scaling.Scaling, multipliers: Sequence) -> dict[str, np.ndarray]:
+    """Multipliers by label, in the coordinates of the program."""
+    return {
+        constraint.label: multiplier * (np.outer(d, d) if isinstance(constraint, Definite) else d**2)
+        for constraint, d, multiplier in zip(constraints, scale.rows, multipliers, strict=True)
+    }
 
 
 def lower_bound(
-    program: Program, scale: scaling.Scaling, multipliers: Sequence[np.ndarray]
+    program: Program, scale: scaling.Scaling, multipliers: Sequence[np.ndarray], cuts: Sequence[float] = (0.0,)
 ) -> tuple[float, dict[str, np.ndarray]]:
-    """Lower bound on the infimum from corrected multipliers, checked positive; -inf where they are not.
+    """Lower bound on the infimum from multipliers proved to exist near the given ones; -inf where they are not.
 
     Parameters
     ----------
@@ -82,7 +272,9 @@ def lower_bound(
     scale : Scaling
         Scaling to which the multipliers belong.
     multipliers : sequence of ndarray
-        Interior enough that the correction to ``cost = sum <coefficients, Z_j>`` leaves them positive.
+        Near solutions of ``cost = sum <coefficients, Z_j>``.
+    cuts : sequence of float, optional
+        Least relative eigenvalues kept, tried in turn; 0 keeps all, for multipliers that are interior.
 
     Returns
     -------
@@ -91,29 +283,21 @@ def lower_bound(
         Label of each constraint to its corrected multiplier, in unscaled coordinates.
     """
     scaled = scaling.apply(program, scale)
-    constraints = program.constraints
-    z = [np.array(m) for m in multipliers]
-    for _ in range(3):
-        rest = scaled.cost - _pairing(constraints, scaled.tensors, z)
-        stack = np.vstack([t.reshape(-1, program.size) for t in scaled.tensors])
-        step = stack @ np.linalg.lstsq(stack.T @ stack, rest, rcond=None)[0]
-        place = 0
-        for number, part in enumerate(z):
-            z[number] = part + step[place : place + part.size].reshape(part.shape)
-            place += part.size
-    rest = np.abs(scaled.cost - _pairing(constraints, scaled.tensors, z))
-    sizes = _sizes(program, scaled) * max(float(np.abs(m).max(initial=0.0)) for m in z)
-    if (rest > 1e-12 * (sizes + np.abs(scaled.cost))).any() or _least(constraints, z) < 0:
+    system = System(scaled, program.constraints, scaled.cost)
+    if not system.solvable():
         return -np.inf, {}
-    bound = float(program.objective.constant[0, 0] - scale.cost * _constant(z, scaled.constants))
-    return bound, {name: scale.cost * value for name, value in _unscaled(program, scale, z).items()}
-
-
-def _unscaled(program: Program, scale: scaling.Scaling, multipliers: Sequence) -> dict[str, np.ndarray]:
-    unscaled = {}
-    for constraint, d, multiplier in zip(program.constraints, scale.rows, multipliers, strict=True):
-        unscaled[constraint.label] = multiplier * (np.outer(d, d) if isinstance(constraint, Definite) else d**2)
-    return unscaled
+    z = [(m + m.T) / 2 if m.ndim == 2 else m for m in multipliers]
+    found = None
+    for cut in cuts:
+        found = system.confined(z, cut) or (system.factored(z, cut) if cut else None)
+        if found is not None:
+            break
+    if found is None:
+        return -np.inf, {}
+    bound = float(program.objective.constant[0, 0]) - scale.cost * found.high
+    bound -= gamma(2) * (abs(float(program.objective.constant[0, 0])) + abs(scale.cost * found.high))
+    parts = unscaled(program.constraints, scale, found.z)
+    return bound, {name: scale.cost * value for name, value in parts.items()}
 
 
 def pushed_inside(program: Program, scale: scaling.Scaling, push: float, setting: str = "clarabel") -> tuple:
@@ -125,9 +309,14 @@ def pushed_inside(program: Program, scale: scaling.Scaling, push: float, setting
         The multipliers (None where the solver gave none), and what the solver returned.
     """
     scaled = scaling.apply(program, scale)
-    extra = np.zeros(program.size)
+    multipliers, raw = _pushed(scaled, program.constraints, push, setting)
+    return multipliers, raw
+
+
+def _pushed(scaled: scaling.Scaled, constraints: Sequence, push: float, setting: str = "clarabel") -> tuple:
+    extra = np.zeros(len(scaled.cost))
     shifts = []
-    for constraint, tensor, constant in zip(program.constraints, scaled.tensors, scaled.constants, strict=True):
+    for constraint, tensor, constant in zip(constraints, scaled.tensors, scaled.constants, strict=True):
         if isinstance(constraint, Definite):
             extra += np.einsum("iik->k", tensor)
             shifts.append(np.eye(len(constant)))
@@ -138,106 +327,91 @@ def pushed_inside(program: Program, scale: scaling.Scaling, push: float, setting
             shifts.append(np.ones(len(constant)))
     # the equations c = sum <T, Z + push I> are those of the cost without push times the traces
     pushed = scaling.Scaled(scaled.cost - push * extra, scaled.constants, scaled.tensors)
-    raw = backends.run(pushed, program.constraints, 0.0, setting)
+    raw = backends.run(pushed, constraints, 0.0, setting)
     if not raw.multipliers:
         return None, raw
     return tuple(z + push * s for z, s in zip(raw.multipliers, shifts, strict=True)), raw
 
 
-def farkas(program: Program, scale: scaling.Scaling, setting: str = "clarabel") -> tuple[float, Farkas | None, tuple]:
-    """Push all scaled blocks up together: ``max t, F_j(x) >= t I, t <= 1``; its multipliers are a Farkas candidate.
+@dataclass(frozen=True)
+class Level:
+    """Phase one: all scaled blocks pushed up together, ``max t, F_j(x) >= t I, t <= 1``.
 
-    Returns
-    -------
-    level : float
+    Attributes
+    ----------
+    value : float
         The largest t as the solver says it (nan where it gave none); positive: there is a strict point.
-    candidate : Farkas or None
-        Multipliers, confined to their range and corrected so that no unknown is left; to be judged by `Farkas.holds`.
-    raw : tuple of (ndarray or None, dict)
-        The point in scaled coordinates, and the record of the attempt.
+    x : ndarray or None
+        The point, scaled coordinates.
+    multipliers : tuple of ndarray
+        Candidates of a refutation, one a constraint, total trace about one.
+    phase : Scaled
+        The program of phase one.
+    record : dict
+        Of the attempt.
     """
-    scaled = scaling.apply(program, scale)
-    size = program.size
-    tensors, constants = [], []
-    for constraint, tensor, constant in zip(program.constraints, scaled.tensors, scaled.constants, strict=True):
-        level = np.zeros((*tensor.shape[:-1], 1))
+
+    value: float
+    x: np.ndarray | None
+    multipliers: tuple[np.ndarray, ...]
+    phase: scaling.Scaled
+    record: dict
+
+
+def level(scaled: scaling.Scaled, constraints: Sequence, setting: str = "clarabel") -> Level:
+    """Solve phase one of a scaled program."""
+    size = len(scaled.cost)
+    tensors = []
+    for constraint, tensor, constant in zip(constraints, scaled.tensors, scaled.constants, strict=True):
+        rise = np.zeros((*tensor.shape[:-1], 1))
         if isinstance(constraint, Definite):
-            level[..., 0] = -np.eye(len(constant))
+            rise[..., 0] = -np.eye(len(constant))
         elif not isinstance(constraint, Equal):
-            level[..., 0] = -1
-        tensors.append(np.concatenate([tensor, level], axis=-1))
-        constants.append(constant)
+            rise[..., 0] = -1
+        tensors.append(np.concatenate([tensor, rise], axis=-1))
     cap = np.zeros((1, size + 1))
     cap[0, size] = -1
     cost = np.zeros(size + 1)
     cost[size] = -1
-    phase = scaling.Scaled(cost, (*constants, np.ones(1)), (*tensors, cap))
-    raw = backends.run(phase, (*program.constraints, Entrywise("level <= 1", scalar("level"))), 0.0, setting)
-    if raw.x is None or len(raw.multipliers) == 0:
-        return float("nan"), None, (None, raw.record)
-    candidates = [
-        _confined(program, scaled, raw.multipliers[:-1], threshold, homogeneous)
-        for homogeneous in (False, True)
-        for threshold in (1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
-    ]
-    found = [c for c in candidates if c is not None]
-    best = next((c for c in found if c[1].holds), min(found, key=lambda c: c[1].residual, default=None))
-    candidate = None
-    if best is not None:
-        z, candidate = best
-        candidate = Farkas(_unscaled(program, scale, z), candidate.value, candidate.residual, candidate.least)
-    return float(raw.x[size]), candidate, (raw.x[:size], raw.record)
+    phase = scaling.Scaled(cost, (*scaled.constants, np.ones(1)), (*tensors, cap))
+    raw = backends.run(phase, (*constraints, _CAP), 0.0, setting)
+    if raw.x is None or not raw.multipliers or not all(np.isfinite(m).all() for m in raw.multipliers):
+        return Level(float("nan"), None, (), phase, raw.record)
+    return Level(float(raw.x[size]), raw.x[:size], raw.multipliers[:-1], phase, raw.record)
 
 
-def _confined(
-    program: Program, scaled: scaling.Scaled, multipliers: Sequence, threshold: float, homogeneous: bool
-) -> tuple | None:
-    """Keep the range of each multiplier above `threshold` and solve the equations inside it, by least squares.
+_CAP = Entrywise("level <= 1", scalar("level"))
 
-    Where only the homogeneous part is infeasible the multipliers must vanish on every row with a positive constant:
-    `homogeneous` leaves such rows out where the solver's multiplier is negligible there.
-    """
-    constraints = program.constraints
-    top = max((np.abs(m).max(initial=0.0) for m in multipliers), default=0.0)
-    if not top > 0:
+
+def refutation(program: Program, scale: scaling.Scaling, found: Level, attempts: list) -> Farkas | None:
+    """Multipliers that refute a program, proved to exist near those of phase one or, pushed inside, near its."""
+    scaled = scaling.apply(program, scale)
+    system = System(scaled, program.constraints, np.zeros(program.size))
+    if not system.solvable() or not found.multipliers:
         return None
-    columns, starts, frames = [], [], []
-    for constraint, tensor, constant, multiplier in zip(
-        constraints, scaled.tensors, scaled.constants, multipliers, strict=True
-    ):
-        if isinstance(constraint, Definite):
-            weightless = (np.abs(np.diagonal(constant)) > 0) & (np.abs(np.diagonal(multiplier)) < 1e-6 * top)
-            kept = np.flatnonzero(~(weightless & homogeneous))
-            eigenvalues, vectors = np.linalg.eigh((multiplier + multiplier.T)[np.ix_(kept, kept)] / 2)
-            frame = np.zeros((len(multiplier), len(kept)))
-            frame[kept] = vectors
-            frame = frame[:, eigenvalues > threshold * top]
-            core = np.einsum("ia,ijk,jb->abk", frame, tensor, frame, optimize=True)
-            starts.append(frame.T @ multiplier @ frame)
-            columns.append(core.reshape(-1, program.size))
-        else:
-            keep = np.abs(multiplier) > threshold * top
-            frame = np.eye(len(multiplier))[:, keep]
-            starts.append(multiplier[keep])
-            columns.append(tensor[keep])
-        frames.append(frame)
-    stack = np.vstack(columns)
-    core = np.concatenate([s.ravel() for s in starts])
-    for _ in range(3):
-        core = core - np.linalg.lstsq(stack.T, stack.T @ core, rcond=1e-13)[0]
-    z, place = [], 0
-    for constraint, frame, start in zip(constraints, frames, starts, strict=True):
-        part = core[place : place + start.size].reshape(start.shape)
-        place += start.size
-        if isinstance(constraint, Definite):
-            z.append(frame @ (part + part.T) @ frame.T / 2)
-        else:
-            z.append(frame @ part)
-    total = sum(float(np.trace(m)) if m.ndim == 2 else float(np.abs(m).sum()) for m in z)
+    proved = _refuting(system, found.multipliers, _CUTS)
+    rows = sum(row.size for row in program.rows)
+    for push in () if proved is not None else _PUSHES:
+        multipliers, raw = _pushed(found.phase, (*program.constraints, _CAP), push / rows)
+        attempts.append({**raw.record, "aim": "interior multipliers", "asked": push / rows})
+        if multipliers is not None and all(np.isfinite(m).all() for m in multipliers):
+            proved = _refuting(system, multipliers[:-1], (0.0, 1e-6))
+        if proved is not None:
+            break
+    if proved is None:
+        return None
+    reason = "multipliers proved to exist"
+    return Farkas(unscaled(program.constraints, scale, proved.z), proved.high, proved.distance, reason)
+
+
+def _refuting(system: System, multipliers: Sequence[np.ndarray], cuts: Sequence[float]) -> Multipliers | None:
+    total = sum(float(np.trace(m)) if m.ndim == 2 else float(np.abs(m).sum()) for m in multipliers)
     if not total > 0:
         return None
-    z = [m / total for m in z]
-    rest = np.abs(_pairing(constraints, scaled.tensors, z))
-    sizes = _sizes(program, scaled)
-    residual = float(np.max(rest / np.where(sizes > 0, sizes, 1.0), initial=0.0))
-    return z, Farkas({}, _constant(z, scaled.constants), residual, _least(constraints, z))
+    z = [(m + m.T) / (2 * total) if m.ndim == 2 else m / total for m in multipliers]
+    for cut in cuts:
+        for attempt in (system.confined, system.factored):
+            proved = attempt(z, cut)
+            if proved is not None and proved.refute:
+                return proved
+    return None

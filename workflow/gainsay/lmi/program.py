@@ -54,6 +54,8 @@ class Row:
     def extent(self, x: np.ndarray) -> np.ndarray:
         """Absolute sizes that the diagonal or the entries are summed of: margins are relative to these."""
         constant, tensor = self.constant, self.tensor
+        if isinstance(self.constraint, Equal):  # homogeneous ones hold at zeros: relative to the sizes around them
+            x = np.full(len(x), np.abs(x).max(initial=0.0))
         if self.is_matrix:
             constant, tensor = np.diagonal(constant), np.einsum("iik->ik", tensor)
         extent = np.abs(constant) + np.abs(tensor) @ np.abs(x)
@@ -89,6 +91,9 @@ class Program:
         if self.objective.shape != (1, 1):
             raise InputError("objective", field=self.label, value=self.objective.shape, expected="a scalar expression")
         self.constraints = list(_flat(self.subject_to))
+        for label, expression in (("objective", self.objective), *((c.label, c.expression) for c in self.constraints)):
+            if not all(np.isfinite(part).all() for part in (expression.constant, *expression.terms.values())):
+                raise InputError("coefficient", field=f"{self.label}, {label}", value="nan or inf", expected="numbers")
         for variable in self.variables:
             if variable.kind == "positive":
                 self.constraints.append(Definite(f"{variable.name} > 0", variable, True, (("", 1),)))
@@ -137,7 +142,7 @@ class Program:
         for constraint in self.constraints:
             constant, tensor = constraint.expression.constant, self._tensor(constraint.expression)
             if not isinstance(constraint, Definite):
-                constant, tensor = constant.ravel(), tensor.reshape(-1, self.size)
+                constant, tensor = constant.ravel(), tensor.reshape(constant.size, self.size)
             rows.append(Row(constraint, constant, tensor))
         return tuple(rows)
 

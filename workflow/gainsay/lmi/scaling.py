@@ -14,11 +14,15 @@ import numpy as np
 from gainsay.errors import InputError
 from gainsay.lmi.affine import Variable
 from gainsay.lmi.program import Program
+from gainsay.lmi.rounding import power_of_two
 
 
 @dataclass(frozen=True)
 class Scaling:
-    """Coordinates x = `unknowns` * x'; block j times `rows[j]` from both sides; objective divided by `cost`."""
+    """Coordinates x = `unknowns` * x'; block j times `rows[j]` from both sides; objective divided by `cost`.
+
+    All factors are powers of two, so that a scaled program has exactly the coefficients that were given.
+    """
 
     unknowns: np.ndarray
     rows: tuple[np.ndarray, ...]
@@ -88,7 +92,7 @@ def balanced(program: Program, scale: Scaling, x: np.ndarray, multipliers: Seque
     for row, d, multiplier in zip(program.rows, scale.rows, multipliers, strict=True):
         block = row.extent(x) * d**2
         weight = np.abs(np.diagonal(multiplier) if row.is_matrix else multiplier)
-        rows.append(d * (np.clip(weight, 1e-14, None) / block) ** 0.25)
+        rows.append(power_of_two(d * (np.clip(weight, 1e-14, None) / block) ** 0.25))
     return Scaling(scale.unknowns, tuple(rows), scale.cost)
 
 
@@ -154,13 +158,13 @@ def _fit(program: Program, known: dict, known_rows: list | None, objective: floa
     if free.any():
         rest = right[free] - normal[np.ix_(free, ~free)] @ fixed[~free]
         solution[free] = np.linalg.lstsq(normal[np.ix_(free, free)], rest, rcond=1e-9)[0]
-    scales = np.exp(np.clip(parameter @ solution[:total], -300, 300))
+    scales = power_of_two(np.exp(np.clip(parameter @ solution[:total], -300, 300)))
     rows = tuple(
-        np.exp(np.clip(solution[start : start + row.size], -150, 150))
+        power_of_two(np.exp(np.clip(solution[start : start + row.size], -150, 150)))
         for row, start in zip(program.rows, row_starts, strict=True)
     )
     cost = objective if objective > 0 else np.abs(program.cost * scales).max(initial=0.0)
-    return Scaling(scales, rows, float(cost) or 1.0)
+    return Scaling(scales, rows, float(power_of_two(np.float64(cost))) if cost > 0 else 1.0)
 
 
 def _equations(row: Any, start: int, parameter: np.ndarray, unknowns: int) -> tuple[np.ndarray, np.ndarray]:

@@ -1,111 +1,27 @@
-"""Solve a program and believe nothing: a typed result from recomputed blocks, never from a status."""
+"""Solve a program and believe nothing: a typed result from what is proved, never from a status."""
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
-from gainsay.errors import ComputationError
-from gainsay.lmi import backends, duality, scaling
+from gainsay.lmi import backends, duality, facial, instability, points, scaling
 from gainsay.lmi.affine import Values
-from gainsay.lmi.program import Check, Program
+from gainsay.lmi.constant import without_solver
+from gainsay.lmi.outcomes import Infeasible, Infimum, Outcome, Solved, Unbounded, Undecided
+from gainsay.lmi.program import Program
+from gainsay.lmi.rays import ray
 
 # least margin of phase one that counts as the presence of strict points
 _PRESENT = 1e-9
+# reductions to a face before a program is left undecided
+_MOST_FACES = 6
 
 
-@dataclass(frozen=True)
-class Solved:
-    """A point at which every block, recomputed in numpy, is strictly definite.
-
-    Attributes
-    ----------
-    values : dict
-        Name of each unknown to its matrix, or number.
-    objective : float
-        Objective there (an upper bound on the infimum; see `infimum`).
-    check : Check
-        Margins and blocks.
-    gap : float
-        Difference of the solver's primal and dual objective, relative; for the record, not a bound.
-    attempts : tuple of dict
-        What was tried: solver, scaling, status, margin, iterations, seconds.
-    """
-
-    values: dict[str, Any]
-    objective: float
-    check: Check
-    gap: float
-    attempts: tuple[dict, ...]
-
-    def __getitem__(self, name: str) -> Any:
-        return self.values[name]
-
-    @property
-    def margins(self) -> dict[str, float]:
-        """Margin of each constraint."""
-        return self.check.margins
-
-
-@dataclass(frozen=True)
-class Infeasible:
-    """No point: a Farkas candidate was found and checked in numpy."""
-
-    farkas: duality.Farkas
-    attempts: tuple[dict, ...]
-
-
-@dataclass(frozen=True)
-class Failed:
-    """Neither a point nor a candidate: says nothing about the program."""
-
-    label: str
-    attempts: tuple[dict, ...]
-
-    @property
-    def error(self) -> ComputationError:
-        """The error to raise where a solution is needed."""
-        return ComputationError(self.label, f"no result after {len(self.attempts)} attempts", self.attempts)
-
-
-@dataclass(frozen=True)
-class Infimum:
-    """Enclosure of an infimum: a checked point above, checked multipliers below.
-
-    Attributes
-    ----------
-    value : float
-        The bounds followed to margin zero; the middle of the enclosure where that lies outside it.
-    lower, upper : float
-        From multipliers and from a strict point; floating point, correct to rounding.
-    values : dict
-        Point of the solver without margin (on the boundary: limits of what strict points approach).
-    solved : Solved
-        The strict point behind `upper`.
-    multipliers : dict
-        The multipliers behind `lower`, by label of the constraint; empty where none passed their check.
-    attempts : tuple of dict
-    """
-
-    value: float
-    lower: float
-    upper: float
-    values: dict[str, Any]
-    solved: Solved
-    multipliers: dict[str, np.ndarray]
-    attempts: tuple[dict, ...]
-
-    @property
-    def width(self) -> float:
-        """Relative width of the enclosure."""
-        return (self.upper - self.lower) / max(abs(self.value), 1e-300)
-
-
-def solve(program: Program, near: Values | None = None, rounds: int = 4) -> Solved | Infeasible | Failed:
+def solve(program: Program, near: Values | None = None, rounds: int = 4) -> Outcome:
     """Solve a program.
 
     The first scaling comes from typical sizes and coefficients; each round rescales from the point found, until the
-    objective settles. Only a point whose blocks hold when recomputed counts.
+    objective settles. Only what is proved counts, for points and for refutations.
 
     Parameters
     ----------
@@ -117,60 +33,161 @@ def solve(program: Program, near: Values | None = None, rounds: int = 4) -> Solv
 
     Returns
     -------
-    Solved or Infeasible or Failed
+    Solved or Infeasible or Unbounded or Undecided
     """
+    return _solve(program, near, rounds, _MOST_FACES)[0]
+
+
+def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tuple[Outcome, Program]:
+    """Outcome, and the program of the same points on which it was found."""
+    decided = without_solver(program)
+    if decided is not None:
+        return decided, program
     attempts: list[dict] = []
     first = scaling.first(program) if near is None else scaling.from_point(program, program.coordinates(near))
     for setting in backends.SETTINGS:
         best = _rounds(program, first, setting, rounds, attempts)
         if best is not None:
-            return best
+            return best, program
         if setting != "clarabel":
             continue
-        level, candidate, (x, record) = duality.farkas(program, first)
-        attempts.append({**record, "aim": "level", "level": level})
-        if candidate is not None and not level > _PRESENT:
-            attempts[-1] |= {"residual": candidate.residual, "least": candidate.least, "value": candidate.value}
-            if candidate.holds:
-                return Infeasible(candidate, tuple(attempts))
-        if x is not None and level > _PRESENT:
-            first = scaling.from_point(program, x * first.unknowns)
-    return Failed(program.label, tuple(attempts))
+        if "DualInfeasible" in attempts[-1]["status"]:
+            endless = _endless(program, first, attempts)
+            if endless is not None:
+                return endless, program
+        found = duality.level(scaling.apply(program, first), program.constraints)
+        attempts.append({**found.record, "aim": "level", "level": found.value})
+        if found.x is None or not found.value > _PRESENT:
+            proof = duality.refutation(program, first, found, attempts) or instability.refutation(program)
+            if proof is not None:
+                return Infeasible(proof, tuple(attempts)), program
+            on_face = _on_face(program, first, found, rounds, faces, attempts)
+            if on_face is not None:
+                return on_face
+        elif found.x is not None:
+            first = scaling.from_point(program, found.x * first.unknowns)
+    return Undecided(program.label, tuple(attempts)), program
+
+
+def _on_face(
+    program: Program, scale: scaling.Scaling, found: duality.Level, rounds: int, faces: int, attempts: list
+) -> tuple[Outcome, Program] | None:
+    """Refute by rational multipliers, or go on with the program on the face that they expose."""
+    if not found.multipliers or faces == 0:
+        return None
+    scaled = scaling.apply(program, scale)
+    for target in (0, None) if abs(found.value) < 1e-5 else (None,):
+        face = facial.exact_face(scaled, program.constraints, found.multipliers, target)
+        if face is None:
+            continue
+        proof = facial.refuted(program, scale, face)
+        if proof is not None:
+            return Infeasible(proof, tuple(attempts)), program
+        smaller = facial.reduced(program, scale, face)
+        if smaller is None:
+            continue
+        outcome, last = _solve(smaller, None, rounds, faces - 1)
+        tried = (*attempts, *outcome.attempts)
+        if isinstance(outcome, Infeasible | Undecided):
+            reason = "weakly infeasible" if isinstance(outcome, Infeasible) else outcome.reason
+            return Undecided(program.label, tried, reason), program
+        return _filled(program, replace(outcome, attempts=tried)), last
+    return None
+
+
+def _filled(program: Program, outcome: Outcome) -> Outcome:
+    """The outcome on a face told of the whole program: unknowns that the face leaves out are zero."""
+    point = outcome.solved if isinstance(outcome, Unbounded) else outcome
+    assert isinstance(point, Solved)
+    rest = {v.name: v.matrix(np.zeros(v.size)) for v in program.variables}
+    values = {**rest, **{name: value for name, value in point.values.items() if name in rest}}
+    told = replace(point, values=values, check=program.check(values))
+    if isinstance(outcome, Unbounded):
+        return replace(outcome, solved=told, ray={**rest, **outcome.ray})
+    return told
 
 
 def _rounds(program: Program, scale: scaling.Scaling, setting: str, rounds: int, attempts: list) -> Solved | None:
     best: Solved | None = None
+    refusals = 0
     for number in range(rounds):
-        raw = backends.run(scaling.apply(program, scale), program.constraints, program.margin, setting)
+        scaled = scaling.apply(program, scale)
+        raw = backends.run(scaled, program.constraints, program.margin, setting)
         record = {**raw.record, "scaling": number}
         attempts.append(record)
         if raw.x is None:
             break
         x = raw.x * scale.unknowns
-        check = program.check(program.values(x))
         gap = abs(raw.primal - raw.dual) / max(abs(raw.primal), 1e-12)
-        record |= {"objective": check.objective, "margin": check.worst, "gap": gap}
+        solved = _proved(program, scale, scaled, raw.x, gap)
+        record["gap"] = gap
         settled = False
         # a later point has the margin asked for, in its own scaling; an open gap marks one that the solver gave up on
-        if check.holds and (best is None or gap < max(1e-6, best.gap)):
-            settled = best is not None and abs(check.objective - best.objective) <= 1e-6 * abs(best.objective)
-            best = Solved(program.values(x), check.objective, check, gap, ())
+        if solved is not None and "DualInfeasible" not in record["status"]:
+            record |= {"objective": solved.objective, "margin": solved.check.worst}
+            if best is None or gap < max(1e-6, best.gap):
+                settled = best is not None and abs(solved.objective - best.objective) <= 1e-6 * abs(best.objective)
+                best = solved
         if best is not None and (settled or not program.cost.any()):
             break
+        if "DualInfeasible" in record["status"] or not np.isfinite(x).all():
+            break
+        refusals = refusals + 1 if record["status"] == "PrimalInfeasible" else 0
+        if refusals == 2:
+            break
         scale = scaling.from_point(program, x)
-    return None if best is None else Solved(best.values, best.objective, best.check, best.gap, tuple(attempts))
+    return None if best is None else replace(best, attempts=tuple(attempts))
+
+
+def _proved(
+    program: Program, scale: scaling.Scaling, scaled: scaling.Scaled, x: np.ndarray, gap: float
+) -> Solved | None:
+    """The point near scaled coordinates x, if it is proved to satisfy the program."""
+    proved = points.prove(scaled, program.constraints, x)
+    if proved is None:
+        return None
+    values = program.values(proved.x * scale.unknowns)
+    check = program.check(values)
+    return Solved(values, _above(program, scale, proved), check, gap, ())
+
+
+def _above(program: Program, scale: scaling.Scaling, proved: points.Proved) -> float:
+    """Upper bound on the objective at a proved point."""
+    constant = float(program.objective.constant[0, 0])
+    if not program.cost.any():
+        return constant
+    high = scale.cost * proved.high + constant
+    return high + 4e-16 * (abs(scale.cost * proved.high) + abs(constant)) if constant else high
+
+
+def _endless(program: Program, scale: scaling.Scaling, attempts: list) -> Outcome | None:
+    """A proved point with a proved ray along which the objective falls."""
+    free = replace(program, minimise=None)
+    inside = _solve(free, None, 2, 0)[0]
+    attempts += inside.attempts
+    if isinstance(inside, Infeasible):
+        return Infeasible(inside.farkas, tuple(attempts))
+    if not isinstance(inside, Solved):
+        return None
+    direction = ray(program, scale, attempts)
+    if direction is None:
+        return None
+    objective = float(program.objective.value(inside.values)[0, 0])
+    return Unbounded(direction, replace(inside, objective=objective), tuple(attempts))
 
 
 def _limit(margins: tuple[float, ...], bounds: list[float]) -> float:
     """Follow a bound, which is linear in a small margin, to margin zero."""
+    if len(bounds) < 2:
+        return np.nan
     (m1, m2), (b1, b2) = margins[-2:], bounds[-2:]
     return b2 - m2 * (b1 - b2) / (m1 - m2) if np.isfinite([b1, b2]).all() else np.nan
 
 
 def infimum(
     program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9), near: Values | None = None
-) -> Infimum | Infeasible | Failed:
-    """Enclose the infimum of a program between a strict point and strict multipliers.
+) -> Infimum | Infeasible | Unbounded | Undecided:
+    """Enclose the infimum of a program between a proved point and proved multipliers.
 
     Parameters
     ----------
@@ -180,15 +197,34 @@ def infimum(
     near : mapping, optional
         As in `solve`.
     """
-    solved = solve(program, near)
+    solved, last = _solve(program, near, 4, _MOST_FACES)
     if not isinstance(solved, Solved):
         return solved
+    if last is not program:
+        found = _enclosed(last, solved, margins)
+        if not isinstance(found, Infimum):
+            return found
+        # multipliers of the program on a face are none of the program
+        return replace(found, solved=_told(program, found.solved), multipliers={})
+    return _enclosed(program, solved, margins)
+
+
+def _told(program: Program, point: Solved) -> Solved:
+    told = _filled(program, point)
+    assert isinstance(told, Solved)
+    return told
+
+
+def _enclosed(program: Program, solved: Solved, margins: tuple[float, ...]) -> Infimum | Undecided:
     attempts = list(solved.attempts)
+    if not program.cost.any() or not program.constraints:
+        value = float(program.objective.constant[0, 0])
+        return Infimum(value, value, value, solved.values, replace(solved, objective=value), {}, tuple(attempts))
     scale = scaling.from_point(program, program.coordinates(solved.values))
     flat = backends.run(scaling.apply(program, scale), program.constraints, 0.0)
     attempts.append({**flat.record, "aim": "infimum", "objective": flat.primal * scale.cost})
     if flat.x is None:
-        return Failed(program.label, tuple(attempts))
+        return Undecided(program.label, tuple(attempts), "a point, and no optimum")
     uppers, best = _uppers(program, scale, margins, solved, attempts)
     lowers, proof = [-np.inf] * len(margins), {}
     sharp, balanced = _sharpened(program, scale, flat, attempts)
@@ -198,13 +234,26 @@ def infimum(
             lowers, proof = found, multipliers
         if best.objective - max(lowers) < 1e-7 * abs(best.objective):
             break
-    lower = max(lowers)
+    if not best.objective - max(lowers) < 1e-6 * max(abs(best.objective), scale.cost):
+        bound, multipliers = duality.lower_bound(program, scale, flat.multipliers, _CUTS)
+        if bound > max(lowers):
+            lowers, proof = [bound], multipliers
+    lower, upper = max(lowers), best.objective
     ends = [_limit(margins, side) for side in (lowers, uppers)]
-    value = float(np.mean([end for end in ends if np.isfinite(end)] or [best.objective]))
-    if not lower <= value <= best.objective:
-        value = (lower + best.objective) / 2 if np.isfinite(lower) else best.objective
-    best = Solved(best.values, best.objective, best.check, best.gap, tuple(attempts))
-    return Infimum(value, lower, best.objective, program.values(sharp), best, proof, tuple(attempts))
+    value = float(np.mean([end for end in ends if np.isfinite(end)] or [upper]))
+    if not lower <= value <= upper:
+        value = (lower + upper) / 2
+    size = max(abs(lower), abs(upper), scale.cost)
+    if not upper - lower <= _WIDEST * size:
+        value = float("nan")
+    best = replace(best, attempts=tuple(attempts))
+    return Infimum(value, lower, upper, program.values(sharp), best, proof, tuple(attempts))
+
+
+# least relative eigenvalues kept of multipliers at an optimum that has no interior ones
+_CUTS = (1e-6, 1e-4, 1e-8)
+# widest enclosure, relative to the size of the objective, within which a value is given
+_WIDEST = 0.1
 
 
 def _sharpened(program: Program, scale: scaling.Scaling, flat: backends.Raw, attempts: list) -> tuple:
@@ -228,13 +277,12 @@ def _uppers(program: Program, scale: scaling.Scaling, margins: tuple, best: Solv
         record = {**raw.record, "aim": "upper", "asked": margin}
         uppers.append(np.nan)
         if raw.x is not None:
-            values = program.values(raw.x * scale.unknowns)
-            check = program.check(values)
-            record |= {"objective": check.objective, "margin": check.worst}
-            if check.holds:
-                uppers[-1] = check.objective
-                if check.objective < best.objective:
-                    best = Solved(values, check.objective, check, abs(raw.primal - raw.dual), ())
+            point = _proved(program, scale, scaled, raw.x, abs(raw.primal - raw.dual))
+            if point is not None:
+                record |= {"objective": point.objective, "margin": point.check.worst}
+                uppers[-1] = point.objective
+                if point.objective < best.objective:
+                    best = point
         attempts.append(record)
     return uppers, best
 
@@ -244,7 +292,7 @@ def _lowers(program: Program, scale: scaling.Scaling, margins: tuple, attempts: 
     for margin in margins:
         multipliers, raw = duality.pushed_inside(program, scale, margin)
         bound, corrected = -np.inf, {}
-        if multipliers is not None:
+        if multipliers is not None and all(np.isfinite(m).all() for m in multipliers):
             bound, corrected = duality.lower_bound(program, scale, multipliers)
         if bound > max(lowers, default=-np.inf):
             proof = corrected

@@ -9,10 +9,9 @@ import numpy as np
 from gainsay.errors import InputError
 from gainsay.lmi import backends, scaling
 from gainsay.lmi.affine import affine
+from gainsay.lmi.outcomes import Infeasible, Outcome, Solved, Undecided
 from gainsay.lmi.program import Program
-from gainsay.lmi.solving import Failed, Infeasible, Solved, solve
-
-Outcome = Solved | Infeasible | Failed
+from gainsay.lmi.solving import solve
 
 
 def sweep(build: Callable[[float], Program], values: Iterable[float]) -> Iterator[tuple[float, Outcome]]:
@@ -27,13 +26,13 @@ def sweep(build: Callable[[float], Program], values: Iterable[float]) -> Iterato
 
     Yields
     ------
-    tuple of (float, Solved or Infeasible or Failed)
+    tuple of (float, Solved or Infeasible or Unbounded or Undecided)
     """
     near = None
     for value in values:
         program = build(value)
         outcome = solve(program, near)
-        if isinstance(outcome, Failed) and near is not None:
+        if isinstance(outcome, Undecided) and near is not None:
             outcome = solve(program)
         if isinstance(outcome, Solved):
             near = outcome.values

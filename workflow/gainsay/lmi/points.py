@@ -1,0 +1,129 @@
+"""Proof that a point satisfies a program: float bounds first, exact rationals where a closed cone touches the point."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+
+from gainsay.exact.definite import positive_semidefinite, rational_positive_definite
+from gainsay.exact.rational import to_fmpq
+from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.rounding import RightInverse, gamma, norm
+from gainsay.lmi.scaling import Scaled
+
+# exact rationals are tried for blocks of so many coefficients at most, and only for points that miss by this little
+_MOST_EXACT = 40_000
+_NEAR = 1e-7
+
+
+@dataclass(frozen=True)
+class Proved:
+    """Coordinates beside an exact solution that is proved to exist within `distance`, and bounds on its cost."""
+
+    x: np.ndarray
+    distance: float
+    low: float
+    high: float
+
+
+def independent_rows(rows: np.ndarray, right: np.ndarray) -> np.ndarray | None:
+    """Indices of rows of ``rows x + right = 0`` that say all, exactly; None where they contradict each other."""
+    _, first = np.unique(np.column_stack([rows, right]), axis=0, return_index=True)
+    kept = np.sort(first)
+    kept = kept[np.abs(np.column_stack([rows, right])[kept]).max(axis=1, initial=0.0) > 0]
+    if RightInverse.of(rows[kept]) is not None:
+        return kept
+    whole = fmpq_mat([[to_fmpq(x) for x in (*rows[i], right[i])] for i in kept])
+    reduced, rank = whole.transpose().rref()  # its pivot columns are independent rows of the whole
+    pivots = [next(j for j in range(len(kept)) if reduced[i, j] != 0) for i in range(rank)]
+    _, left = fmpq_mat([[to_fmpq(x) for x in rows[i]] for i in kept]).rref()
+    return None if left < rank else kept[pivots]
+
+
+def equations(scaled: Scaled, constraints: Sequence) -> tuple[np.ndarray, np.ndarray]:
+    """Coefficients and constants of all equalities, stacked."""
+    size = len(scaled.cost)
+    parts = [(t, c) for t, c, of in zip(scaled.tensors, scaled.constants, constraints, strict=True)
+             if isinstance(of, Equal)]  # fmt: skip
+    if not parts:
+        return np.zeros((0, size)), np.zeros(0)
+    return np.vstack([t for t, _ in parts]), np.concatenate([c for _, c in parts])
+
+
+def prove(scaled: Scaled, constraints: Sequence, x: np.ndarray) -> Proved | None:
+    """Prove that an exact solution of the equalities near x satisfies every inequality; None where it is not proved.
+
+    Parameters
+    ----------
+    scaled : Scaled
+        The program, in coordinates scaled by powers of two, so that its coefficients are those given.
+    constraints : sequence of constraints
+    x : ndarray
+        Coordinates; moved onto the equalities to rounding.
+    """
+    distance = 0.0
+    rows, right = equations(scaled, constraints)
+    if len(rows):
+        kept = independent_rows(rows, right)
+        inverse = None if kept is None else RightInverse.of(rows[kept])
+        if inverse is None:
+            return None
+        rows, right = rows[kept], right[kept]
+        for _ in range(2):
+            x = x - inverse.matrix @ (rows @ x + right)
+        error = gamma(len(x) + 1) * (np.abs(right) + np.abs(rows) @ np.abs(x))
+        distance = inverse.reach(norm(np.abs(rows @ x + right) + error))
+        if not np.isfinite(distance):
+            return None
+    if not np.isfinite(x).all():
+        return None
+    for tensor, constant, constraint in zip(scaled.tensors, scaled.constants, constraints, strict=True):
+        if not isinstance(constraint, Equal) and not holds(tensor, constant, constraint, x, distance):
+            return None
+    cost = float(scaled.cost @ x)
+    spread = gamma(len(x)) * float(np.abs(scaled.cost) @ np.abs(x)) + distance * norm(scaled.cost)
+    return Proved(x, distance, cost - spread, cost + spread)
+
+
+def holds(tensor: np.ndarray, constant: np.ndarray, constraint: Any, x: np.ndarray, distance: float = 0.0) -> bool:
+    """Whether one inequality is proved for all coordinates within `distance` of x."""
+    from gainsay.lmi.rounding import proved_positive
+
+    value = constant + tensor @ x
+    error = gamma(len(x) + 1) * (np.abs(constant) + np.abs(tensor) @ np.abs(x))
+    if distance:
+        error = error + distance * np.sqrt((tensor**2).sum(axis=-1)) * (1 + gamma(len(x)))
+    if isinstance(constraint, Entrywise):
+        sure = value - error >= 0
+        return bool(sure.all()) or (not distance and all(_entry(tensor[i], constant[i], x) >= 0
+                                                         for i in np.flatnonzero(~sure)))  # fmt: skip
+    if proved_positive(value, error):
+        return True
+    if distance or np.count_nonzero(tensor) > _MOST_EXACT:
+        return False
+    size = np.abs(value).max(initial=0.0)
+    if np.linalg.eigvalsh(value)[0] < -_NEAR * size:
+        return False
+    exact = exact_block(tensor, constant, [to_fmpq(float(v)) for v in x])
+    return rational_positive_definite(exact) if constraint.strict else positive_semidefinite(exact)
+
+
+def _entry(coefficients: np.ndarray, constant: float, x: np.ndarray) -> fmpq:
+    return sum((to_fmpq(float(coefficients[k])) * to_fmpq(float(x[k])) for k in np.flatnonzero(coefficients)),
+               to_fmpq(float(constant)))  # fmt: skip
+
+
+def exact_block(tensor: np.ndarray, constant: np.ndarray, x: Sequence[fmpq]) -> fmpq_mat:
+    """Value of a matrix inequality in rationals."""
+    size = len(constant)
+    rows = [[to_fmpq(float(v)) for v in line] for line in constant]
+    for i, j, k in zip(*np.nonzero(tensor), strict=True):
+        rows[i][j] += to_fmpq(float(tensor[i, j, k])) * x[k]
+    return fmpq_mat(size, size, [v for line in rows for v in line])
+
+
+def is_strict(constraint: Any) -> bool:
+    """Whether a constraint excludes the boundary of its cone."""
+    return isinstance(constraint, Definite) and constraint.strict
