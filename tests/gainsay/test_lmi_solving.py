@@ -9,11 +9,11 @@ import pytest
 
 from gainsay.lmi import (
     BlockMatrix,
-    Failed,
     Infeasible,
     Program,
     Scale,
     Solved,
+    Undecided,
     backends,
     equal,
     infimum,
@@ -111,7 +111,7 @@ def test_boundary_only_program_is_never_called_solved():
 
 
 def test_a_lying_solver_is_not_believed(monkeypatch):
-    """A solver that says Solved at a point outside gives Failed with every attempt on record."""
+    """A solver that says Solved at a point outside gives Undecided with every attempt on record."""
 
     def liar(scaled, constraints, margin, setting="clarabel"):
         zeros = tuple(np.zeros(np.shape(c)) for c in scaled.constants)
@@ -120,7 +120,7 @@ def test_a_lying_solver_is_not_believed(monkeypatch):
     monkeypatch.setattr(solving.backends, "run", liar)
     p = symmetric("P", 2)
     result = solve(Program(subject_to=[(sym(A.T @ p) < 0).named("Lyapunov"), (p > 0).named("P > 0")], label="(1)"))
-    assert isinstance(result, Failed)
+    assert isinstance(result, Undecided)
     assert len(result.attempts) >= len(backends.SETTINGS)
     assert result.error.where == "(1)" and result.error.attempts == result.attempts
 
@@ -132,7 +132,7 @@ def test_a_raising_solver_is_recorded(monkeypatch):
     monkeypatch.setattr(backends, "_clarabel", panic)
     monkeypatch.setattr(backends, "_cvxpy", panic)
     result = solve(_bounded_real(A, B, C))
-    assert isinstance(result, Failed)
+    assert isinstance(result, Undecided)
     assert all(a["status"] == "raised" and "near-infeasible" in a["message"] for a in result.attempts)
 
 

@@ -19,7 +19,7 @@ from gainsay.lmi.blocks import Definite, Entrywise, Equal
 from gainsay.lmi.outcomes import Farkas
 from gainsay.lmi.points import is_strict
 from gainsay.lmi.program import Program
-from gainsay.lmi.rounding import RightInverse, gamma, norm, proved_positive
+from gainsay.lmi.rounding import RightInverse, gamma, norm, power_of_two, proved_positive
 
 # least relative eigenvalues kept of a multiplier, tried in turn
 _CUTS = (1e-3, 1e-5, 1e-7, 1e-2, 1e-9)
@@ -68,69 +68,111 @@ class System:
     def __init__(self, scaled: scaling.Scaled, constraints: Sequence, cost: np.ndarray) -> None:
         self.scaled, self.constraints, self.cost = scaled, constraints, cost
         flat = [t.reshape(-1, len(cost)) for t in scaled.tensors]
-        self.size = norm(np.concatenate([np.linalg.norm(t, axis=1) for t in flat])) if flat else 0.0
-        self.kept = _independent(np.vstack(flat), cost)
+        stack = np.vstack(flat)
+        self.sizes = np.linalg.norm(stack, axis=0) * (1 + gamma(len(stack)))
+        self.kept = _independent(stack, cost)
 
     def solvable(self) -> bool:
         """Whether the unknowns whose equations are left out are known to follow from the others."""
         return self.kept is not None
 
     def confined(self, multipliers: Sequence[np.ndarray], cut: float) -> Multipliers | None:
-        """Prove multipliers in the range of the given ones, eigenvalues below `cut` times the largest left out."""
-        frames, cores, columns, errors = [], [], [], []
-        top = _top(self.constraints, multipliers)
-        for constraint, tensor, z in zip(self.constraints, self._tensors(), multipliers, strict=True):
+        """Prove multipliers ``L (I + E) L'`` with a small E, L a factor of the given ones above `cut` times the largest.
+
+        Steps are measured by E, so that they leave a multiplier positive whatever the sizes of its entries.
+        """
+        frames = self._frames(multipliers, cut)
+        if frames is None:
+            return None
+        cost = self.cost[self.kept]
+        needed = ~(self._met(frames) & (cost == 0))
+        cost, columns, sizes = cost[needed], [], []
+        for constraint, tensor, frame in zip(self.constraints, self._tensors(), frames, strict=True):
+            part = tensor if needed.all() else tensor[..., needed]
             if isinstance(constraint, Definite):
-                frame = np.eye(len(z))
-                if cut > 0:
-                    values, vectors = np.linalg.eigh(z)
-                    frame = vectors[:, values > cut * top]
-                core = frame.T @ z @ frame
-                core = (core + core.T) / 2
-                column = tensor if cut <= 0 else np.einsum("ia,ijk,jb->abk", frame, tensor, frame, optimize=True)
-                columns.append(column.reshape(core.size, len(self.kept)))
-                errors.append(2 * gamma(2 * len(z)) * norm(tensor) * norm(frame) ** 2 if cut > 0 else 0.0)
+                columns.append(_congruent(part, frame).reshape(-1, len(cost)))
+                sizes.append(_congruent(np.abs(part), np.abs(frame)).reshape(-1, len(cost)))
             else:
-                keep = np.ones(len(z), bool) if isinstance(constraint, Equal) else np.abs(z) > cut * top
-                frame, core = np.eye(len(z))[:, keep], z[keep]
-                columns.append(tensor[keep])
-                errors.append(0.0)
-            frames.append(frame)
-            cores.append(core)
-        stack, cost = np.vstack(columns), self.cost[self.kept]
-        met = self._met(frames) & (cost == 0)
-        if met.any():
-            stack, cost = stack[:, ~met], cost[~met]
-        blur = norm(np.array(errors))
+                columns.append(frame.T @ part)
+                sizes.append(np.abs(frame).T @ np.abs(part))
+        stack = np.vstack(columns)
+        lengths = np.linalg.norm(stack, axis=0)
+        if not (lengths > 0).all():
+            return None
+        units = power_of_two(1 / lengths)
+        stack = stack * units
+        longest = max((len(f) for f in frames), default=1)
+        blur = 2 * gamma(2 * longest) * norm(np.vstack(sizes) * units)
         inverse = RightInverse.of(stack.T, blur)
         if inverse is None:
             return None
-        core = np.concatenate([c.ravel() for c in cores])
-        for _ in range(2):
-            core = core - inverse.matrix @ (stack.T @ core - cost)
-        parts, place, lengths = [], 0, norm(core)
-        for c in cores:
-            part = core[place : place + c.size].reshape(c.shape)
-            parts.append((part + part.T) / 2 if c.ndim == 2 else part)
-            place += c.size
-        core = np.concatenate([p.ravel() for p in parts])
-        rest = norm(stack.T @ core - cost)
-        rest += gamma(len(core) + 1) * (norm(stack) * lengths + norm(cost)) + blur * lengths
-        step = inverse.reach(rest)
-        z, strict = [], False
-        for constraint, frame, part in zip(self.constraints, frames, parts, strict=True):
+        cores = [np.eye(f.shape[1]) if isinstance(c, Definite) else np.ones(f.shape[1])
+                 for c, f in zip(self.constraints, frames, strict=True)]  # fmt: skip
+        for number in range(3):
+            z, wide = _assembled(self.constraints, frames, cores)
+            rest, bound = self._rest(z, wide)
+            if number < 2:
+                step, place = inverse.matrix @ (units * rest[needed]), 0
+                for i, core in enumerate(cores):
+                    part = step[place : place + core.size].reshape(core.shape)
+                    cores[i] = core - ((part + part.T) / 2 if core.ndim == 2 else part)
+                    place += core.size
+        reach = inverse.reach(norm(units * bound[needed]))
+        strict, distance, linear, blur = False, 0.0, [], 0.0
+        for constraint, constant, frame, core in zip(
+            self.constraints, self.scaled.constants, frames, cores, strict=True
+        ):
             if isinstance(constraint, Definite):
-                if part.size and not proved_positive(part, step * np.eye(len(part))):
+                if core.size and not proved_positive(core, reach * np.eye(len(core))):
                     return None
-                strict = strict or (bool(part.size) and is_strict(constraint))
-                z.append(frame @ part @ frame.T)
+                strict = strict or (core.size > 0 and is_strict(constraint))
+                distance += reach * norm(frame) ** 2
+                linear.append(_congruent(constant[..., None], frame).ravel())
+                blur += 2 * gamma(2 * len(frame)) * norm(_congruent(np.abs(constant)[..., None], np.abs(frame)))
             else:
-                if isinstance(constraint, Entrywise) and part.size and part.min() < step:
+                if isinstance(constraint, Entrywise) and core.size and core.min() < reach:
                     return None
-                z.append(frame @ part)
-        spread = max((norm(f) for f in frames), default=1.0) if cut > 0 else 1.0
-        own = sum(4 * gamma(2 * len(f)) * norm(f) ** 2 * norm(p) for f, p in zip(frames, parts, strict=True))
-        return self._bounded(z, step * spread**2 + (own if cut > 0 else 0.0), strict)
+                distance += reach * norm(frame)
+                linear.append(frame.T @ constant)
+                blur += gamma(len(frame)) * norm(np.abs(frame).T @ np.abs(constant))
+        value = inverse.change(np.concatenate(linear), units * bound[needed]) + blur * reach
+        return self._bounded(z, wide, distance, value, strict)
+
+    def _frames(self, multipliers: Sequence[np.ndarray], cut: float) -> list[np.ndarray] | None:
+        """Factors L of matrices, Z = L L', and diagonal ones of lists, without what is below the cut."""
+        top = _top(self.constraints, multipliers)
+        frames = []
+        for constraint, z in zip(self.constraints, multipliers, strict=True):
+            if isinstance(constraint, Equal):
+                frames.append(np.diag(np.maximum(np.abs(z), 1e-3 * top + 1e-300)))
+            elif isinstance(constraint, Definite) and cut > 0:
+                values, vectors = np.linalg.eigh(z)
+                large = values > cut * top
+                frames.append(vectors[:, large] * np.sqrt(values[large]))
+            elif isinstance(constraint, Definite):
+                try:
+                    frames.append(np.linalg.cholesky(z))
+                except np.linalg.LinAlgError:
+                    return None
+            else:
+                frames.append(np.diag(z)[:, z > cut * top])
+                if cut <= 0 and not (z > 0).all():
+                    return None
+        return frames
+
+    def _rest(self, z: Sequence[np.ndarray], wide: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Residual of the equations, and a bound on it for all multipliers within `wide` of z."""
+        total = -self.cost[self.kept]
+        sizes = np.abs(total)
+        spread = np.zeros(len(total))
+        for tensor, m, error in zip(self._tensors(), z, wide, strict=True):
+            axes = m.ndim
+            total = total + np.tensordot(m, tensor, axes)
+            large = np.abs(tensor)
+            sizes = sizes + np.tensordot(np.abs(m), large, axes)
+            spread = spread + np.tensordot(error, large, axes)
+        count = sum(m.size for m in z) + len(z) + 2
+        return total, np.abs(total) + gamma(count) * sizes + spread * (1 + gamma(count))
 
     def _met(self, frames: Sequence[np.ndarray]) -> np.ndarray:
         """Unknowns that no entry within the frames holds: their equations are met whatever the cores."""
@@ -157,38 +199,49 @@ class System:
         if sum(f.size for f in factors) < len(self.kept):
             return None
         for number in range(6):
-            slope, residual, blur, rest = self._linearised(factors)
-            inverse = RightInverse.of(slope, blur)
+            slope, residual, blur, bound = self._linearised(factors)
+            lengths = np.linalg.norm(slope, axis=1)
+            if not (lengths > 0).all():
+                return None
+            units = power_of_two(1 / lengths)
+            inverse = RightInverse.of(slope * units[:, None], blur * float(units.max()))
             if inverse is None:
                 return None
-            step = inverse.reach(rest, self.size)
+            step = inverse.reach(norm(units * bound), norm(self.sizes[self.kept] * units))
             if number > 1 and np.isfinite(step):
                 break
-            move, place = -inverse.matrix @ residual, 0
+            move, place = -inverse.matrix @ (units * residual), 0
             for i, f in enumerate(factors):
                 factors[i] = f + move[place : place + f.size].reshape(f.shape)
                 place += f.size
         if not np.isfinite(step):
             return None
-        z, strict, spread = [], False, 0.0
-        for constraint, f in zip(self.constraints, factors, strict=True):
+        z, wide, strict, distance, value = [], [], False, 0.0, 0.0
+        for constraint, constant, f in zip(self.constraints, self.scaled.constants, factors, strict=True):
             if isinstance(constraint, Definite):
                 z.append(f @ f.T)
+                wide.append(2 * gamma(f.shape[1]) * np.abs(f) @ np.abs(f).T)
                 strict = strict or (is_strict(constraint) and float(np.linalg.norm(f)) > 2 * step)
-                spread += 2 * norm(f) * step + step**2 + 2 * gamma(f.shape[1]) * norm(f) ** 2
+                own = 2 * norm(f) * step + step**2
+                value += 2 * norm(np.abs(constant) @ np.abs(f)) * step + norm(constant) * step**2
             elif isinstance(constraint, Equal):
                 z.append(f)
-                spread += step
+                wide.append(np.zeros_like(f))
+                own = step
+                value += norm(constant) * step
             else:
                 z.append(f**2)
-                spread += 2 * norm(f) * step + step**2 + gamma(1) * norm(f) ** 2
-        return self._bounded(z, spread, strict)
+                wide.append(gamma(1) * f**2)
+                own = 2 * norm(f) * step + step**2
+                value += norm(constant) * own
+            distance += own
+        return self._bounded(z, wide, distance, value * (1 + 1e-9), strict)
 
     def _tensors(self) -> Iterator[np.ndarray]:
         for tensor in self.scaled.tensors:
             yield tensor if len(self.kept) == tensor.shape[-1] else tensor[..., self.kept]
 
-    def _linearised(self, factors: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, float, float]:
+    def _linearised(self, factors: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
         """Slope and residual of the equations at factors; bounds on the slope's error and on the residual."""
         slopes, total = [], -self.cost[self.kept]
         sizes = np.abs(total)
@@ -211,18 +264,43 @@ class System:
                 sizes = sizes + f**2 @ np.abs(tensor)
                 blur += 2 * gamma(1) * norm(tensor) * norm(f)
         terms = sum(f.size for f in factors) + sum(len(c) for c in self.scaled.constants) + 4
-        return np.vstack(slopes).T, total, blur, norm(np.abs(total) + gamma(terms) * sizes)
+        return np.vstack(slopes).T, total, blur, np.abs(total) + gamma(terms) * sizes
 
-    def _bounded(self, z: Sequence[np.ndarray], distance: float, strict: bool) -> Multipliers:
-        value = sizes = constants = 0.0
-        for m, c in zip(z, self.scaled.constants, strict=True):
-            if np.any(m) and np.any(c):
-                value += float(np.sum(m * c))
-                sizes += float(np.sum(np.abs(m) * np.abs(c)))
-                constants = float(np.hypot(constants, norm(c)))
+    def _bounded(
+        self, z: Sequence[np.ndarray], wide: Sequence[np.ndarray], distance: float, value: float, strict: bool
+    ) -> Multipliers:
+        """Gather: floats z, off by `wide` from what lies within `distance` of exact ones, whose value is off by `value`."""
+        middle = sizes = spread = 0.0
+        for m, error, c in zip(z, wide, self.scaled.constants, strict=True):
+            middle += float(np.sum(m * c))
+            sizes += float(np.sum(np.abs(m) * np.abs(c)))
+            spread += float(np.sum(error * np.abs(c)))
         count = sum(m.size for m in z) + len(z)
-        spread = gamma(count) * sizes * 2 + constants * distance * (1 + 1e-9)
-        return Multipliers(tuple(z), value - spread, value + spread, distance, strict)
+        spread = value + spread * (1 + gamma(count)) + gamma(count) * sizes
+        distance += float(np.sqrt(sum(norm(e) ** 2 for e in wide)))
+        return Multipliers(tuple(z), middle - spread, middle + spread, distance, strict)
+
+
+def _congruent(tensor: np.ndarray, frame: np.ndarray) -> np.ndarray:
+    """``frame' T_k frame`` for every k, shape (r, r, k)."""
+    n, r = frame.shape
+    half = np.tensordot(frame, tensor, (0, 0))  # (r, n, k)
+    return np.tensordot(half, frame, (1, 0)).transpose(0, 2, 1) if r and n else np.zeros((r, r, tensor.shape[-1]))
+
+
+def _assembled(constraints: Sequence, frames: Sequence, cores: Sequence) -> tuple[list, list]:
+    """Multipliers of frames and cores, and what rounding leaves out of each entry."""
+    z, wide = [], []
+    for constraint, frame, core in zip(constraints, frames, cores, strict=True):
+        large = np.abs(frame)
+        if isinstance(constraint, Definite):
+            m = frame @ core @ frame.T
+            z.append((m + m.T) / 2)
+            wide.append(2 * gamma(2 * frame.shape[1] + 1) * (large @ np.abs(core) @ large.T))
+        else:
+            z.append(frame @ core)
+            wide.append(2 * gamma(frame.shape[1]) * (large @ np.abs(core)))
+    return z, wide
 
 
 def _top(constraints: Sequence, multipliers: Sequence[np.ndarray]) -> float:
@@ -282,11 +360,12 @@ def lower_bound(
     multipliers : dict
         Label of each constraint to its corrected multiplier, in unscaled coordinates.
     """
-    scaled = scaling.apply(program, scale)
+    exact = scale.binary
+    scaled = scaling.apply(program, exact)
     system = System(scaled, program.constraints, scaled.cost)
     if not system.solvable():
         return -np.inf, {}
-    z = [(m + m.T) / 2 if m.ndim == 2 else m for m in multipliers]
+    z = [(m + m.T) / 2 if m.ndim == 2 else m for m in scale.multipliers_in(exact, multipliers)]
     found = None
     for cut in cuts:
         found = system.confined(z, cut) or (system.factored(z, cut) if cut else None)
@@ -294,10 +373,10 @@ def lower_bound(
             break
     if found is None:
         return -np.inf, {}
-    bound = float(program.objective.constant[0, 0]) - scale.cost * found.high
-    bound -= gamma(2) * (abs(float(program.objective.constant[0, 0])) + abs(scale.cost * found.high))
-    parts = unscaled(program.constraints, scale, found.z)
-    return bound, {name: scale.cost * value for name, value in parts.items()}
+    bound = float(program.objective.constant[0, 0]) - exact.cost * found.high
+    bound -= gamma(2) * (abs(float(program.objective.constant[0, 0])) + abs(exact.cost * found.high))
+    parts = unscaled(program.constraints, exact, found.z)
+    return bound, {name: exact.cost * value for name, value in parts.items()}
 
 
 def pushed_inside(program: Program, scale: scaling.Scaling, push: float, setting: str = "clarabel") -> tuple:
@@ -385,23 +464,23 @@ _CAP = Entrywise("level <= 1", scalar("level"))
 
 def refutation(program: Program, scale: scaling.Scaling, found: Level, attempts: list) -> Farkas | None:
     """Multipliers that refute a program, proved to exist near those of phase one or, pushed inside, near its."""
-    scaled = scaling.apply(program, scale)
-    system = System(scaled, program.constraints, np.zeros(program.size))
+    exact = scale.binary
+    system = System(scaling.apply(program, exact), program.constraints, np.zeros(program.size))
     if not system.solvable() or not found.multipliers:
         return None
-    proved = _refuting(system, found.multipliers, _CUTS)
+    proved = _refuting(system, scale.multipliers_in(exact, found.multipliers), _CUTS)
     rows = sum(row.size for row in program.rows)
     for push in () if proved is not None else _PUSHES:
         multipliers, raw = _pushed(found.phase, (*program.constraints, _CAP), push / rows)
         attempts.append({**raw.record, "aim": "interior multipliers", "asked": push / rows})
         if multipliers is not None and all(np.isfinite(m).all() for m in multipliers):
-            proved = _refuting(system, multipliers[:-1], (0.0, 1e-6))
+            proved = _refuting(system, scale.multipliers_in(exact, multipliers[:-1]), (0.0, 1e-6))
         if proved is not None:
             break
     if proved is None:
         return None
     reason = "multipliers proved to exist"
-    return Farkas(unscaled(program.constraints, scale, proved.z), proved.high, proved.distance, reason)
+    return Farkas(unscaled(program.constraints, exact, proved.z), proved.high, proved.distance, reason)
 
 
 def _refuting(system: System, multipliers: Sequence[np.ndarray], cuts: Sequence[float]) -> Multipliers | None:

@@ -10,12 +10,13 @@ from flint import fmpq, fmpq_mat
 from gainsay.exact.definite import positive_semidefinite, rational_positive_definite
 from gainsay.exact.rational import to_fmpq
 from gainsay.lmi.blocks import Definite, Entrywise, Equal
-from gainsay.lmi.rounding import RightInverse, gamma, norm
+from gainsay.lmi.rounding import RightInverse, gamma, norm, power_of_two, proved_positive, residual
 from gainsay.lmi.scaling import Scaled
 
 # exact rationals are tried for blocks of so many coefficients at most, and only for points that miss by this little
 _MOST_EXACT = 40_000
 _NEAR = 1e-7
+_TINY = 1e-300
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,8 @@ def independent_rows(rows: np.ndarray, right: np.ndarray) -> np.ndarray | None:
     _, first = np.unique(np.column_stack([rows, right]), axis=0, return_index=True)
     kept = np.sort(first)
     kept = kept[np.abs(np.column_stack([rows, right])[kept]).max(axis=1, initial=0.0) > 0]
-    if RightInverse.of(rows[kept]) is not None:
+    units = power_of_two(1 / np.abs(rows[kept]).max(axis=1, initial=_TINY))
+    if RightInverse.of(rows[kept] * units[:, None]) is not None:
         return kept
     whole = fmpq_mat([[to_fmpq(x) for x in (*rows[i], right[i])] for i in kept])
     reduced, rank = whole.transpose().rref()  # its pivot columns are independent rows of the whole
@@ -67,14 +69,17 @@ def prove(scaled: Scaled, constraints: Sequence, x: np.ndarray) -> Proved | None
     rows, right = equations(scaled, constraints)
     if len(rows):
         kept = independent_rows(rows, right)
-        inverse = None if kept is None else RightInverse.of(rows[kept])
-        if inverse is None:
+        if kept is None:
             return None
         rows, right = rows[kept], right[kept]
-        for _ in range(2):
-            x = x - inverse.matrix @ (rows @ x + right)
-        error = gamma(len(x) + 1) * (np.abs(right) + np.abs(rows) @ np.abs(x))
-        distance = inverse.reach(norm(np.abs(rows @ x + right) + error))
+        units = power_of_two(1 / np.abs(rows).max(axis=1, initial=_TINY))
+        rows, right = rows * units[:, None], right * units
+        inverse = RightInverse.of(rows)
+        if inverse is None:
+            return None
+        for _ in range(3):
+            x = x - inverse.matrix @ residual(rows, right, x)
+        distance = inverse.reach(norm(residual(rows, right, x)))
         if not np.isfinite(distance):
             return None
     if not np.isfinite(x).all():
@@ -89,8 +94,6 @@ def prove(scaled: Scaled, constraints: Sequence, x: np.ndarray) -> Proved | None
 
 def holds(tensor: np.ndarray, constant: np.ndarray, constraint: Any, x: np.ndarray, distance: float = 0.0) -> bool:
     """Whether one inequality is proved for all coordinates within `distance` of x."""
-    from gainsay.lmi.rounding import proved_positive
-
     value = constant + tensor @ x
     error = gamma(len(x) + 1) * (np.abs(constant) + np.abs(tensor) @ np.abs(x))
     if distance:

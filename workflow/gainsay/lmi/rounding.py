@@ -8,10 +8,11 @@ S. M. Rump, "Verification of positive definiteness", BIT 46 (2006) 433-452.
 """
 
 from dataclasses import dataclass
+from math import fsum
 
 import numpy as np
 
-__all__ = ["RightInverse", "gamma", "norm", "power_of_two", "proved_positive"]
+__all__ = ["RightInverse", "gamma", "norm", "power_of_two", "proved_positive", "residual"]
 
 _TINY = 1e-290
 _LARGEST = 1e150
@@ -26,6 +27,25 @@ def gamma(terms: int) -> float:
 def norm(array: np.ndarray) -> float:
     """Upper bound on the Frobenius norm."""
     return float(np.linalg.norm(array)) * (1 + gamma(array.size)) + _TINY if np.any(array) else 0.0
+
+
+def residual(rows: np.ndarray, right: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """``rows @ x + right``, each entry rounded once: the products split exactly, their sum by `math.fsum`."""
+    product = rows * x
+    rest = _rest_of(rows, np.broadcast_to(x, rows.shape), product)
+    return np.array([fsum((*p, *r, c)) for p, r, c in zip(product, rest, right, strict=True)]).reshape(len(right))
+
+
+def _rest_of(a: np.ndarray, b: np.ndarray, product: np.ndarray) -> np.ndarray:
+    """What a product of doubles leaves out, exactly (Dekker's splitting; Higham, section 2.4)."""
+
+    def split(value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        wide = 134217729.0 * value
+        high = wide - (wide - value)
+        return high, value - high
+
+    (a1, a2), (b1, b2) = split(a), split(b)
+    return a2 * b2 - (((product - a1 * b1) - a2 * b1) - a1 * b2)
 
 
 def power_of_two(values: np.ndarray) -> np.ndarray:
@@ -91,12 +111,21 @@ class RightInverse:
         defect = norm(np.eye(m) - wide @ inverse) + gamma(n + 1) * (norm(wide) * size + m) + error * size
         return cls(inverse, size, defect) if defect < 0.5 else None
 
-    def reach(self, residual: float, curvature: float = 0.0) -> float:
-        """Bound on the norm of a step d with J d + Q(d) = r, \\|r\\| <= `residual`; infinite where none is proved.
+    def change(self, linear: np.ndarray, residual: np.ndarray) -> float:
+        """Bound on ``linear . d`` for the step d = R w with J d = r, |r_k| <= `residual` entry by entry."""
+        length = norm(residual) / (1 - self.defect) * (1 + 1e-9)
+        along = np.abs(linear @ self.matrix)
+        along += gamma(len(linear)) * (np.abs(linear) @ np.abs(self.matrix))
+        return float(along @ residual + norm(along) * self.defect * length) * (1 + gamma(len(along)) + 1e-9)
 
-        Q is quadratic, \\|Q(d)\\| <= `curvature` \\|d\\|^2. With d = R w, a ball of w is mapped into itself (Brouwer).
+    def reach(self, residual: float, curvature: float = 0.0) -> float:
+        """Bound on the norm of a step d with J d + Q(d) = r, |r| <= `residual`; infinite where none is proved.
+
+        Q is quadratic, |Q(d)| <= `curvature` |d|^2. With d = R w, a ball of w is mapped into itself (Brouwer).
         """
         room = 1 - self.defect
+        if curvature == 0:
+            return residual / room * self.size * (1 + 1e-9)
         if 4 * curvature * self.size**2 * residual > room**2 * (1 - 1e-9):
             return np.inf
         return 2 * residual / room * self.size * (1 + 1e-9)

@@ -19,14 +19,25 @@ from gainsay.lmi.rounding import power_of_two
 
 @dataclass(frozen=True)
 class Scaling:
-    """Coordinates x = `unknowns` * x'; block j times `rows[j]` from both sides; objective divided by `cost`.
-
-    All factors are powers of two, so that a scaled program has exactly the coefficients that were given.
-    """
+    """Coordinates x = `unknowns` * x'; block j times `rows[j]` from both sides; objective divided by `cost`."""
 
     unknowns: np.ndarray
     rows: tuple[np.ndarray, ...]
     cost: float
+
+    @property
+    def binary(self) -> "Scaling":
+        """The scaling by powers of two nearby: a program scaled by it has exactly the coefficients that were given."""
+        rows = tuple(power_of_two(d) for d in self.rows)
+        return Scaling(power_of_two(self.unknowns), rows, float(power_of_two(np.float64(self.cost))))
+
+    def multipliers_in(self, other: "Scaling", multipliers: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Multipliers of this scaling in the coordinates of another."""
+        factor, found = self.cost / other.cost, []
+        for d, to, z in zip(self.rows, other.rows, multipliers, strict=True):
+            ratio = d / to
+            found.append(factor * z * (np.outer(ratio, ratio) if z.ndim == 2 else ratio**2))
+        return found
 
 
 @dataclass(frozen=True)
@@ -92,7 +103,7 @@ def balanced(program: Program, scale: Scaling, x: np.ndarray, multipliers: Seque
     for row, d, multiplier in zip(program.rows, scale.rows, multipliers, strict=True):
         block = row.extent(x) * d**2
         weight = np.abs(np.diagonal(multiplier) if row.is_matrix else multiplier)
-        rows.append(power_of_two(d * (np.clip(weight, 1e-14, None) / block) ** 0.25))
+        rows.append(d * (np.clip(weight, 1e-14, None) / block) ** 0.25)
     return Scaling(scale.unknowns, tuple(rows), scale.cost)
 
 
@@ -158,13 +169,13 @@ def _fit(program: Program, known: dict, known_rows: list | None, objective: floa
     if free.any():
         rest = right[free] - normal[np.ix_(free, ~free)] @ fixed[~free]
         solution[free] = np.linalg.lstsq(normal[np.ix_(free, free)], rest, rcond=1e-9)[0]
-    scales = power_of_two(np.exp(np.clip(parameter @ solution[:total], -300, 300)))
+    scales = np.exp(np.clip(parameter @ solution[:total], -300, 300))
     rows = tuple(
-        power_of_two(np.exp(np.clip(solution[start : start + row.size], -150, 150)))
+        np.exp(np.clip(solution[start : start + row.size], -150, 150))
         for row, start in zip(program.rows, row_starts, strict=True)
     )
     cost = objective if objective > 0 else np.abs(program.cost * scales).max(initial=0.0)
-    return Scaling(scales, rows, float(power_of_two(np.float64(cost))) if cost > 0 else 1.0)
+    return Scaling(scales, rows, float(cost) or 1.0)
 
 
 def _equations(row: Any, start: int, parameter: np.ndarray, unknowns: int) -> tuple[np.ndarray, np.ndarray]:

@@ -75,15 +75,17 @@ def _on_face(
     """Refute by rational multipliers, or go on with the program on the face that they expose."""
     if not found.multipliers or faces == 0:
         return None
-    scaled = scaling.apply(program, scale)
+    exact = scale.binary
+    scaled = scaling.apply(program, exact)
+    multipliers = scale.multipliers_in(exact, found.multipliers)
     for target in (0, None) if abs(found.value) < 1e-5 else (None,):
-        face = facial.exact_face(scaled, program.constraints, found.multipliers, target)
+        face = facial.exact_face(scaled, program.constraints, multipliers, target)
         if face is None:
             continue
-        proof = facial.refuted(program, scale, face)
+        proof = facial.refuted(program, exact, face)
         if proof is not None:
             return Infeasible(proof, tuple(attempts)), program
-        smaller = facial.reduced(program, scale, face)
+        smaller = facial.reduced(program, exact, face)
         if smaller is None:
             continue
         outcome, last = _solve(smaller, None, rounds, faces - 1)
@@ -119,7 +121,7 @@ def _rounds(program: Program, scale: scaling.Scaling, setting: str, rounds: int,
             break
         x = raw.x * scale.unknowns
         gap = abs(raw.primal - raw.dual) / max(abs(raw.primal), 1e-12)
-        solved = _proved(program, scale, scaled, raw.x, gap)
+        solved = _proved(program, scale, x, gap)
         record["gap"] = gap
         settled = False
         # a later point has the margin asked for, in its own scaling; an open gap marks one that the solver gave up on
@@ -139,16 +141,15 @@ def _rounds(program: Program, scale: scaling.Scaling, setting: str, rounds: int,
     return None if best is None else replace(best, attempts=tuple(attempts))
 
 
-def _proved(
-    program: Program, scale: scaling.Scaling, scaled: scaling.Scaled, x: np.ndarray, gap: float
-) -> Solved | None:
-    """The point near scaled coordinates x, if it is proved to satisfy the program."""
-    proved = points.prove(scaled, program.constraints, x)
+def _proved(program: Program, scale: scaling.Scaling, x: np.ndarray, gap: float) -> Solved | None:
+    """The point near coordinates x, if it is proved to satisfy the program."""
+    exact = scale.binary
+    proved = points.prove(scaling.apply(program, exact), program.constraints, x / exact.unknowns)
     if proved is None:
         return None
-    values = program.values(proved.x * scale.unknowns)
+    values = program.values(proved.x * exact.unknowns)
     check = program.check(values)
-    return Solved(values, _above(program, scale, proved), check, gap, ())
+    return Solved(values, _above(program, exact, proved), check, gap, ())
 
 
 def _above(program: Program, scale: scaling.Scaling, proved: points.Proved) -> float:
@@ -277,7 +278,7 @@ def _uppers(program: Program, scale: scaling.Scaling, margins: tuple, best: Solv
         record = {**raw.record, "aim": "upper", "asked": margin}
         uppers.append(np.nan)
         if raw.x is not None:
-            point = _proved(program, scale, scaled, raw.x, abs(raw.primal - raw.dual))
+            point = _proved(program, scale, raw.x * scale.unknowns, abs(raw.primal - raw.dual))
             if point is not None:
                 record |= {"objective": point.objective, "margin": point.check.worst}
                 uppers[-1] = point.objective
