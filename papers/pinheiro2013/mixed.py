@@ -7,7 +7,7 @@ from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 from scipy.optimize import minimize, root
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.lmi import BlockMatrix, Undecided, Infeasible, Program, Scale, Solved, matrix, solve, sym, symmetric, trace
+from gainsay.lmi import BlockMatrix, Infeasible, Program, Scale, Solved, Undecided, matrix, solve, sym, symmetric, trace
 from gainsay.systems.norms import h2_norm, hinf_norm
 from papers.pinheiro2013.plant import GeneralizedPlant
 

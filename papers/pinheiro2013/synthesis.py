@@ -3,7 +3,7 @@
 import numpy as np
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.lmi import Undecided, Infeasible, Infimum, Solved, infimum, sweep
+from gainsay.lmi import Infeasible, Infimum, Solved, Undecided, infimum, sweep
 from gainsay.proof import build
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
 from gainsay.tables.results import task

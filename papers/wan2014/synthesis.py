@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Undecided, Infeasible, Infimum, Solved, infimum, positive, ranges, solve, symmetric
+from gainsay.lmi import Infeasible, Infimum, Solved, Undecided, infimum, positive, ranges, solve, symmetric
 from gainsay.systems.statespace import spectral_abscissa
 from gainsay.tables import Case
 from gainsay.tables.results import Results, task

@@ -77,7 +77,7 @@ class System:
         return self.kept is not None
 
     def confined(self, multipliers: Sequence[np.ndarray], cut: float) -> Multipliers | None:
-        """Prove multipliers ``L (I + E) L'`` with a small E, L a factor of the given ones above `cut` times the largest.
+        """Prove multipliers ``L (I + E) L'`` with a small E, L a factor of what the given ones have above a cut.
 
         Steps are measured by E, so that they leave a multiplier positive whatever the sizes of its entries.
         """
@@ -269,7 +269,7 @@ class System:
     def _bounded(
         self, z: Sequence[np.ndarray], wide: Sequence[np.ndarray], distance: float, value: float, strict: bool
     ) -> Multipliers:
-        """Gather: floats z, off by `wide` from what lies within `distance` of exact ones, whose value is off by `value`."""
+        """Gather floats z: off by `wide` from what lies within `distance` of exact ones, of a value off by `value`."""
         middle = sizes = spread = 0.0
         for m, error, c in zip(z, wide, self.scaled.constants, strict=True):
             middle += float(np.sum(m * c))

@@ -1,12 +1,13 @@
 """Lyapunov and Stein inequalities of an unstable matrix: refuted by a matrix of the wrong inertia.
 
-Multipliers of ``A'P + P A < 0, P > 0`` live on the unstable invariant subspace of A, which is irrational: none near them
-is exact. The proof here is another. Let H satisfy ``A'H + H A < 0`` without being positive. If P were a solution, so
-would H + t P be for t >= 0; where it first is singular, with kernel x, ``x'(A'(H + t P) + (H + t P) A) x = 0``: a
+Multipliers of ``A'P + P A < 0, P > 0`` live on the unstable invariant subspace of A, which is irrational: none near
+them is exact. The proof here is another. Let H satisfy ``A'H + H A < 0`` without being positive. If P were a solution,
+so would H + t P be for t >= 0; where it first is singular, with kernel x, ``x'(A'(H + t P) + (H + t P) A) x = 0``: a
 contradiction (of Stein's ``H - A'H A > 0``: the form at x is at most zero). H is rounded, the inequality proved for it
 and for every A within rounding.
 
-Reference: A. Ostrowski, H. Schneider, "Some theorems on the inertia of general matrices", J. Math. Anal. Appl. 4 (1962).
+Reference: A. Ostrowski, H. Schneider, "Some theorems on the inertia of general matrices", J. Math. Anal. Appl. 4
+(1962) 72-84.
 """
 
 from collections.abc import Iterator
@@ -31,7 +32,8 @@ def refutation(program: Program) -> Farkas | None:
     for variable, place in program.places.items():
         if variable.kind != "symmetric":
             continue
-        kept_positive = [(row, strict) for row in matrices if (strict := _keeps_positive(row, variable, place)) is not None]
+        found = [(row, _keeps_positive(row, variable, place)) for row in matrices]
+        kept_positive = [(row, strict) for row, strict in found if strict is not None]
         for row in matrices:
             for kind, rows, A, strict in _inequalities(row, variable, place):
                 for positive, sure in kept_positive:
@@ -115,9 +117,7 @@ def _read_stein(tensor: np.ndarray, diagonal: list[int], n: int) -> np.ndarray |
         if outer[lead, lead] > 0:
             A[k] = outer[lead] / np.sqrt(outer[lead, lead])
     # each row is known up to its sign: those of the other products fix them
-    place = {}
-    for index, (i, j) in enumerate((i, j) for j in range(n) for i in range(j + 1)):
-        place[i, j] = index
+    place = {(i, j): j * (j + 1) // 2 + i for j in range(n) for i in range(j + 1)}
     for k in range(1, n):
         for earlier in range(k):
             cross = -tensor[:, :, place[earlier, k]].copy()

@@ -95,7 +95,8 @@ def prove(scaled: Scaled, constraints: Sequence, x: np.ndarray) -> Proved | None
 def holds(tensor: np.ndarray, constant: np.ndarray, constraint: Any, x: np.ndarray, distance: float = 0.0) -> bool:
     """Whether one inequality is proved for all coordinates within `distance` of x."""
     value = constant + tensor @ x
-    error = gamma(len(x) + 1) * (np.abs(constant) + np.abs(tensor) @ np.abs(x))
+    terms = int(np.count_nonzero(tensor, axis=-1).max(initial=0))
+    error = gamma(terms + 1) * (np.abs(constant) + np.abs(tensor) @ np.abs(x))
     if distance:
         error = error + distance * np.sqrt((tensor**2).sum(axis=-1)) * (1 + gamma(len(x)))
     if isinstance(constraint, Entrywise):

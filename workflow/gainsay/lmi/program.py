@@ -95,7 +95,7 @@ class Program:
             if not all(np.isfinite(part).all() for part in (expression.constant, *expression.terms.values())):
                 raise InputError("coefficient", field=f"{self.label}, {label}", value="nan or inf", expected="numbers")
         for variable in self.variables:
-            if variable.kind == "positive":
+            if variable.kind == "positive" and not any(_keeps(c, variable) for c in self.constraints):
                 self.constraints.append(Definite(f"{variable.name} > 0", variable, True, (("", 1),)))
         labels = [c.label for c in self.constraints]
         for i, label in enumerate(labels):
@@ -242,6 +242,11 @@ def _flat(constraints: Any) -> Iterator[Constraint]:
         raise InputError("constraint", value=type(constraints).__name__, expected="F < 0, within(...) or equal(...)")
     for constraint in constraints:
         yield from _flat(constraint)
+
+
+def _keeps(constraint: Constraint, variable: Variable) -> bool:
+    """Whether a constraint is the one that a program adds for a positive unknown."""
+    return constraint.label == f"{variable.name} > 0" and set(constraint.expression.terms) == {variable}
 
 
 def _renamed(constraint: Constraint, label: str) -> Constraint:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from gainsay.lmi import backends, duality, points, scaling
+from gainsay.lmi import duality, points, scaling
 from gainsay.lmi.affine import Affine
 from gainsay.lmi.blocks import Definite, Entrywise, Equal
 from gainsay.lmi.program import Program
@@ -18,9 +18,7 @@ def ray(program: Program, scale: scaling.Scaling, attempts: list) -> dict[str, A
     zeros = tuple(np.zeros_like(c) for c in scaled.constants)
     falls = Equal("fall", Affine(np.ones((1, 1)), {}))
     closed = [_closed(c) for c in program.constraints]
-    cone = scaling.Scaled(
-        np.zeros(program.size), (*zeros, np.ones(1)), (*scaled.tensors, scaled.cost[None, :])
-    )
+    cone = scaling.Scaled(np.zeros(program.size), (*zeros, np.ones(1)), (*scaled.tensors, scaled.cost[None, :]))
     found = duality.level(cone, (*closed, falls))
     attempts.append({**found.record, "aim": "ray", "level": found.value})
     if found.x is None:

@@ -7,7 +7,8 @@ import numpy as np
 from gainsay.lmi import backends, duality, facial, instability, points, scaling
 from gainsay.lmi.affine import Values
 from gainsay.lmi.constant import without_solver
-from gainsay.lmi.outcomes import Infeasible, Infimum, Outcome, Solved, Unbounded, Undecided
+from gainsay.lmi.homogeneous import homogeneous_part
+from gainsay.lmi.outcomes import Farkas, Infeasible, Infimum, Outcome, Solved, Unbounded, Undecided
 from gainsay.lmi.program import Program
 from gainsay.lmi.rays import ray
 
@@ -58,7 +59,7 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
         found = duality.level(scaling.apply(program, first), program.constraints)
         attempts.append({**found.record, "aim": "level", "level": found.value})
         if found.x is None or not found.value > _PRESENT:
-            proof = duality.refutation(program, first, found, attempts) or instability.refutation(program)
+            proof = _refutation(program, first, found, attempts)
             if proof is not None:
                 return Infeasible(proof, tuple(attempts)), program
             on_face = _on_face(program, first, found, rounds, faces, attempts)
@@ -67,6 +68,21 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
         elif found.x is not None:
             first = scaling.from_point(program, found.x * first.unknowns)
     return Undecided(program.label, tuple(attempts)), program
+
+
+def _refutation(program: Program, scale: scaling.Scaling, found: duality.Level, attempts: list) -> Farkas | None:
+    """Proof that a program has no point, of the whole or of its homogeneous part."""
+    proof = duality.refutation(program, scale, found, attempts) or instability.refutation(program)
+    part = homogeneous_part(program) if proof is None else None
+    if part is None:
+        return proof
+    own = scaling.first(part.program)
+    found = duality.level(scaling.apply(part.program, own), part.program.constraints)
+    attempts.append({**found.record, "aim": "level, homogeneous part", "level": found.value})
+    if found.value > _PRESENT:
+        return None
+    proof = duality.refutation(part.program, own, found, attempts) or instability.refutation(part.program)
+    return None if proof is None else part.lifted(proof)
 
 
 def _on_face(

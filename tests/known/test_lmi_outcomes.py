@@ -1,0 +1,159 @@
+"""Outcomes known from outside: theorems of alternatives, weak infeasibility, unattained and missing optima.
+
+Each right outcome is a theorem or an argument of one line, named beside it; none comes from a run of ours.
+"""
+
+import numpy as np
+import pytest
+
+from gainsay.errors import InputError
+from gainsay.lmi import (
+    Infeasible,
+    Infimum,
+    Program,
+    Solved,
+    Unbounded,
+    Undecided,
+    affine,
+    equal,
+    infimum,
+    matrix,
+    scalar,
+    solve,
+    sym,
+    symmetric,
+    trace,
+)
+
+x, y = scalar("x"), scalar("y")
+P, X = symmetric("P", 2), symmetric("X", 3)
+H = np.array([[0.0, 1.0], [1.0, 0.0]])
+E1, E2 = np.diag([1.0, 0.0]), np.diag([0.0, 1.0])
+ROTATION = np.array([[0.3, 1.0], [-1.0, 0.3]])  # eigenvalues 0.3 +- i
+INTEGRATORS = np.array([[0.0, 1.0], [0.0, 0.0]])  # eigenvalue 0, twice
+
+
+def lyapunov(A):
+    P = symmetric("P", len(A))
+    return [(sym(A.T @ P) < 0).named("Lyapunov"), (P > 0).named("P > 0")]
+
+
+def stein(A):
+    P = symmetric("P", len(A))
+    return [(P - A.T @ P @ A > 0).named("Stein"), (P > 0).named("P > 0")]
+
+
+# Lyapunov 1892, Stein 1952: feasible exactly if the spectrum lies in the open half plane (disk)
+INFEASIBLE = {
+    "unstable focus": lambda: lyapunov(ROTATION),
+    "double integrator": lambda: lyapunov(INTEGRATORS),
+    "one unstable, one stable mode": lambda: lyapunov(np.array([[0.1, 2.0], [0.3, -1.7]])),
+    "outside the disk": lambda: stein(np.array([[1.1, 0.4], [0.2, 0.3]])),
+    "on the circle": lambda: stein(np.eye(2)),
+    # B does not reach the unstable mode, whatever Y
+    "not stabilisable": lambda: [
+        sym(np.diag([1.0, -1.0]) @ P + np.array([[0.0], [1.0]]) @ matrix("Y", 1, 2)) < 0,
+        (P > 0).named("P > 0"),
+    ],
+    "opposite signs": lambda: [(P > 0).named("a"), (P < 0).named("b")],
+    "trace of a positive matrix": lambda: [P > 0, (trace(P) <= 0).named("trace")],
+    "indefinite by a minor": lambda: [x * E1 + 2 * H + E2 > 0, (x <= 3).named("x")],  # x > 4 is needed
+    "contradicting equalities": lambda: [P > 0, equal(P[0, 0], 1.0, "a"), equal(P[0, 0], 2.0, "b")],
+    "interval of one point, strict": lambda: [(x > 1).named("a"), (x < 1).named("b")],
+    # [[x, 1], [1, 0]] > 0: its second diagonal entry is not positive
+    "zero on the diagonal, strict": lambda: [x * E1 + H > 0],
+    # no common quadratic Lyapunov function: A1 A2 has a negative eigenvalue (Shorten, Narendra 2002)
+    "no common Lyapunov matrix": lambda: [
+        (sym(np.array([[-1.0, 10], [-0.1, -1]]).T @ P) < 0).named("1"),
+        (sym(np.array([[-1.0, 0.1], [-10, -1]]).T @ P) < 0).named("2"),
+        (P > 0).named("P > 0"),
+    ],
+}
+
+
+@pytest.mark.parametrize("name", INFEASIBLE)
+def test_infeasible(name):
+    assert isinstance(solve(Program(subject_to=INFEASIBLE[name]())), Infeasible)
+
+
+FEASIBLE = {
+    "stable focus": lambda: lyapunov(-ROTATION),
+    "inside the disk": lambda: stein(np.array([[0.5, 0.4], [0.2, 0.3]])),
+    # closed inequalities meet in one point
+    "closed pair": lambda: [(P >= 0).named("a"), (P <= 0).named("b")],
+    "closed interval of one point": lambda: [(x >= 1).named("a"), (x <= 1).named("b")],
+    "rank one by equalities": lambda: [P >= 0, *(equal(P[i, j], 1.0, f"{i}{j}") for i in (0, 1) for j in range(i, 2))],
+    "strict interval of width 1e-13": lambda: [(x > 0).named("a"), (x < 1e-13).named("b")],
+}
+
+
+@pytest.mark.parametrize("name", FEASIBLE)
+def test_feasible(name):
+    assert isinstance(solve(Program(subject_to=FEASIBLE[name]())), Solved)
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        x * E1 + H,  # [[x, 1], [1, 0]] >= 0: weakly infeasible (Ramana 1997)
+        # the same in other coordinates, T' F T with T = [[1, 1], [0, 1]]
+        x * np.ones((2, 2)) + np.array([[0.0, 1.0], [1.0, 2.0]]),
+    ],
+)
+def test_weakly_infeasible_programs_are_undecided(block):
+    assert isinstance(solve(Program(subject_to=[affine(block) >= 0])), Undecided)
+
+
+@pytest.mark.parametrize(
+    ("objective", "constraints"),
+    [
+        (-x, lambda: [x > 0]),
+        (-trace(P), lambda: [P > 0]),
+        (-x - y, lambda: [x * E1 + y * E2 + H > 0]),
+    ],
+)
+def test_unbounded_has_a_ray_that_holds(objective, constraints):
+    program = Program(minimise=objective, subject_to=constraints())
+    found = infimum(program)
+    assert isinstance(found, Unbounded)
+    far = {name: found.solved.values[name] + 1e3 * np.asarray(step) for name, step in found.ray.items()}
+    assert program.check(far).holds
+    assert program.check(far).objective < found.solved.objective
+
+
+def test_unbounded_without_a_ray_gets_no_value():
+    # [[y, x], [x, 1]] >= 0, least x: y >= x^2 lets x fall, but no fixed direction does
+    found = infimum(Program(minimise=x, subject_to=[y * E1 + x * H + E2 >= 0]))
+    assert isinstance(found, Undecided | Infimum)
+    assert not np.isfinite(getattr(found, "value", np.nan))
+
+
+def test_infimum_that_is_not_attained():
+    # [[x, 1], [1, y]] >= 0, least y: 0 as x grows (Vandenberghe, Boyd 1996)
+    found = infimum(Program(minimise=y, subject_to=[x * E1 + H + y * E2 >= 0]))
+    assert not isinstance(found, Infeasible | Unbounded)
+    if isinstance(found, Infimum):
+        assert found.lower <= 0 <= found.upper
+
+
+def test_duality_gap_is_closed_on_the_face():
+    # Vandenberghe, Boyd 1996, section 3: primal 0, dual -1
+    block = x * (np.eye(3)[[1, 0, 2]]) + y * np.diag([0, 1.0, 0]) + np.diag([0, 0, 1.0])
+    found = infimum(Program(minimise=x, subject_to=[affine(block) >= 0]))
+    assert isinstance(found, Infimum)
+    assert found.lower <= 0 <= found.upper and found.value == pytest.approx(0, abs=1e-9)
+
+
+def test_no_unknowns_and_no_constraints():
+    assert isinstance(solve(Program(subject_to=[affine([[-1.0]]) > 0])), Infeasible)
+    assert isinstance(solve(Program(subject_to=[affine([[0.0]]) > 0])), Infeasible)
+    assert isinstance(solve(Program(subject_to=[affine([[0.0]]) >= 0])), Solved)
+    assert isinstance(solve(Program(subject_to=[equal(affine([[1.0]]), 0.0, "1 = 0")])), Infeasible)
+    assert isinstance(solve(Program()), Solved)
+    assert isinstance(infimum(Program(minimise=x)), Unbounded)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_numbers_that_are_none_are_refused(bad):
+    with pytest.raises(InputError, match="nan or inf"):
+        Program(subject_to=[affine([[bad]]) + x > 0])
