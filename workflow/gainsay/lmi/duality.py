@@ -90,8 +90,9 @@ class System:
         for constraint, tensor, frame in zip(self.constraints, self._tensors(), frames, strict=True):
             part = tensor if needed.all() else tensor[..., needed]
             if isinstance(constraint, Definite):
-                columns.append(_congruent(part, frame).reshape(-1, len(cost)))
-                sizes.append(_congruent(np.abs(part), np.abs(frame)).reshape(-1, len(cost)))
+                shape = (frame.shape[1] ** 2, len(cost))
+                columns.append(_congruent(part, frame).reshape(shape))
+                sizes.append(_congruent(np.abs(part), np.abs(frame)).reshape(shape))
             else:
                 columns.append(frame.T @ part)
                 sizes.append(np.abs(frame).T @ np.abs(part))

@@ -44,6 +44,24 @@ def independent_rows(rows: np.ndarray, right: np.ndarray) -> np.ndarray | None:
     return None if left < rank else kept[pivots]
 
 
+def contradiction(rows: np.ndarray, right: np.ndarray) -> np.ndarray | None:
+    """Weights of equalities ``rows x + right = 0`` whose sum is -1 whatever x, exact before they are rounded."""
+    if rows.size > _MOST_EXACT or independent_rows(rows, right) is not None:
+        return None
+    stated = np.vstack([rows.T, right[None, :]])
+    goal = np.zeros(len(stated))
+    goal[-1] = -1.0
+    whole, rank = fmpq_mat([[to_fmpq(float(v)) for v in line] for line in np.column_stack([stated, goal])]).rref()
+    weights = np.zeros(len(rows))
+    for i in range(rank):
+        pivot = next(j for j in range(whole.ncols()) if whole[i, j] != 0)
+        if pivot == len(rows):
+            return None
+        value = whole[i, len(rows)]
+        weights[pivot] = int(value.p) / int(value.q)
+    return weights
+
+
 def equations(scaled: Scaled, constraints: Sequence) -> tuple[np.ndarray, np.ndarray]:
     """Coefficients and constants of all equalities, stacked."""
     size = len(scaled.cost)

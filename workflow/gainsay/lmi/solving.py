@@ -6,6 +6,7 @@ import numpy as np
 
 from gainsay.lmi import backends, duality, facial, instability, points, scaling
 from gainsay.lmi.affine import Values
+from gainsay.lmi.blocks import Equal
 from gainsay.lmi.constant import without_solver
 from gainsay.lmi.homogeneous import homogeneous_part
 from gainsay.lmi.outcomes import Farkas, Infeasible, Infimum, Outcome, Solved, Unbounded, Undecided
@@ -72,7 +73,8 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
 
 def _refutation(program: Program, scale: scaling.Scaling, found: duality.Level, attempts: list) -> Farkas | None:
     """Proof that a program has no point, of the whole or of its homogeneous part."""
-    proof = duality.refutation(program, scale, found, attempts) or instability.refutation(program)
+    proof = _contradiction(program) or duality.refutation(program, scale, found, attempts)
+    proof = proof or instability.refutation(program)
     part = homogeneous_part(program) if proof is None else None
     if part is None:
         return proof
@@ -83,6 +85,25 @@ def _refutation(program: Program, scale: scaling.Scaling, found: duality.Level, 
         return None
     proof = duality.refutation(part.program, own, found, attempts) or instability.refutation(part.program)
     return None if proof is None else part.lifted(proof)
+
+
+def _contradiction(program: Program) -> Farkas | None:
+    """Proof by equalities that contradict each other, without the inequalities."""
+    equalities = [row for row in program.rows if isinstance(row.constraint, Equal)]
+    if not equalities:
+        return None
+    rows, right = np.vstack([row.tensor for row in equalities]), np.concatenate([row.constant for row in equalities])
+    weights = points.contradiction(rows, right)
+    if weights is None:
+        return None
+    multipliers, place = {}, 0
+    for row in program.rows:
+        label, shape = row.constraint.label, (row.size, row.size) if row.is_matrix else (row.size,)
+        multipliers[label] = np.zeros(shape)
+        if isinstance(row.constraint, Equal):
+            multipliers[label] = weights[place : place + row.size]
+            place += row.size
+    return Farkas(multipliers, -1.0, 0.0, "equalities that contradict each other")
 
 
 def _on_face(
@@ -135,7 +156,8 @@ def _rounds(program: Program, scale: scaling.Scaling, setting: str, rounds: int,
         attempts.append(record)
         if raw.x is None:
             break
-        x = raw.x * scale.unknowns
+        with np.errstate(over="ignore"):  # of a point that runs away; what is not finite is not proved
+            x = raw.x * scale.unknowns
         gap = abs(raw.primal - raw.dual) / max(abs(raw.primal), 1e-12)
         solved = _proved(program, scale, x, gap)
         record["gap"] = gap
@@ -261,7 +283,7 @@ def _enclosed(program: Program, solved: Solved, margins: tuple[float, ...]) -> I
     if not lower <= value <= upper:
         value = (lower + upper) / 2
     size = max(abs(lower), abs(upper), scale.cost)
-    if not upper - lower <= _WIDEST * size:
+    if not (np.isfinite(lower) and upper - lower <= _WIDEST * size):
         value = float("nan")
     best = replace(best, attempts=tuple(attempts))
     return Infimum(value, lower, upper, program.values(sharp), best, proof, tuple(attempts))
