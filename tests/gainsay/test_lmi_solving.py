@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 
+from gainsay.errors import InputError
 from gainsay.lmi import (
     BlockMatrix,
     Infeasible,
@@ -171,6 +172,11 @@ def test_threshold_brackets_the_spectral_abscissa():
     # undecided rates, if any, lie between the two
     assert all(found.feasible < v < found.infeasible for v in found.undecided)
     assert found.infeasible - found.feasible < 0.05
+
+
+def test_threshold_tries_its_infeasible_end():
+    with pytest.raises(InputError, match="a point at the infeasible end"):
+        threshold(_decay, infeasible=0.05, feasible=0.0)
 
 
 def test_sweep_goes_on_past_infeasible_values():

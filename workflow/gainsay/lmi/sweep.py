@@ -46,7 +46,7 @@ class Threshold:
     Attributes
     ----------
     infeasible, feasible : float
-        Last value with a checked Farkas candidate, first value with a checked point.
+        Last value that is proved infeasible (nan where none is, not even the end given), first with a proved point.
     solved : Solved
         The point at `feasible`.
     undecided : tuple of float
@@ -76,14 +76,18 @@ def threshold(
     Raises
     ------
     InputError
-        The program at `feasible` has no checked point.
+        The program at `feasible` has no proved point, or that at `infeasible` has one.
     """
     undecided = []
     program = build(feasible)
     solved = solve(program)
     if not isinstance(solved, Solved):
         raise InputError("no point at the feasible end", field=program.label, value=feasible)
-    inside, outside, floor = feasible, infeasible, infeasible
+    far = solve(build(infeasible))
+    if isinstance(far, Solved):
+        raise InputError("a point at the infeasible end", field=program.label, value=infeasible)
+    inside, floor = feasible, infeasible
+    outside = infeasible if isinstance(far, Infeasible) else float("nan")
     while abs(inside - floor) > relative * abs(inside):
         middle = (inside + floor) / 2
         program = build(middle)
@@ -96,7 +100,8 @@ def threshold(
                 outside = middle
             else:
                 undecided.append(middle)
-    return Threshold(outside, inside, solved, tuple(v for v in undecided if (v - outside) * (inside - v) > 0))
+    last = infeasible if np.isnan(outside) else outside
+    return Threshold(outside, inside, solved, tuple(v for v in undecided if (v - last) * (inside - v) > 0))
 
 
 @dataclass(frozen=True)

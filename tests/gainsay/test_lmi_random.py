@@ -1,0 +1,72 @@
+"""Random programs of known outcome: none wrong, and hardly one undecided; a change of units changes no outcome."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from gainsay.bench.random_programs import draws
+from gainsay.lmi import Infeasible, Program, Solved, solve, sym, symmetric
+from gainsay.lmi.affine import Affine
+from gainsay.lmi.blocks import Definite
+
+
+def _count(seed, count, most):
+    counts = Counter()
+    for drawn in draws(seed, count, most):
+        outcome = solve(drawn.program)
+        right, wrong = (Solved, Infeasible) if drawn.feasible else (Infeasible, Solved)
+        counts["wrong" if isinstance(outcome, wrong) else "right" if isinstance(outcome, right) else "undecided"] += 1
+    return counts
+
+
+def test_small_random_programs():
+    # constructed: see the generator
+    assert _count(1, 16, 8) == {"right": 16}
+
+
+@pytest.mark.slow
+def test_random_programs_up_to_forty_rows():
+    counts = _count(2, 400, 40)
+    assert counts["wrong"] == 0
+    assert counts["right"] >= 396
+
+
+def _lyapunov(rng, unstable):
+    n = int(rng.integers(2, 9))
+    A = rng.standard_normal((n, n))
+    shift = 0.1 + rng.random()
+    A += ((shift if unstable else -shift) - np.linalg.eigvals(A).real.max()) * np.eye(n)
+    X = symmetric("X", n)
+    return Program(subject_to=[(sym(A.T @ X) < 0).named("Lyapunov"), (X > 0).named("X")])
+
+
+def _lyapunov_right(seed, count):
+    rng = np.random.default_rng(seed)
+    kinds = [(u, solve(_lyapunov(rng, u))) for u in (True, False) for _ in range(count)]
+    return sum(isinstance(outcome, Infeasible if u else Solved) for u, outcome in kinds) / len(kinds)
+
+
+def test_random_lyapunov_inequalities():
+    # Lyapunov 1892: feasible exactly if A is stable
+    assert _lyapunov_right(3, 6) == 1
+
+
+@pytest.mark.slow
+def test_many_random_lyapunov_inequalities():
+    assert _lyapunov_right(4, 300) > 0.99
+
+
+@pytest.mark.parametrize("power", [-9, -4, 4, 9])
+def test_units_change_no_outcome(power):
+    # unknown k times 10^(power (-1)^k), row i times 10^(power i / rows): the same program in other units
+    for drawn in draws(5, 6, 6):
+        (block,) = drawn.program.constraints
+        n = block.expression.shape[0]
+        d = 10.0 ** (power * np.arange(n) / n)
+        terms = {
+            v: c * np.outer(d, d)[:, :, None] * 10.0 ** (power * (-1) ** k)
+            for k, (v, c) in enumerate(block.expression.terms.items())
+        }
+        other = Definite("block", Affine(block.expression.constant * np.outer(d, d), terms), True, (("", n),))
+        assert type(solve(Program(subject_to=[other]))) is (Solved if drawn.feasible else Infeasible)
