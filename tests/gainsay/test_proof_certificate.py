@@ -17,7 +17,7 @@ from gainsay.proof.certificate import _digest
 from gainsay.tables import read_case
 from gainsay.tables.designs import FoundDesign, read_design, write_design
 
-CLAIM = {"where": "(1)", "kind": "stability", "statement": "The loop is stable.", "quantity": "loop.abscissa"}
+CLAIM = {"comparator": "holds", "quantity": "loop.abscissa", "published": "", "unit": "1"}
 
 
 def tables(**changes):
@@ -113,7 +113,7 @@ def test_changed_data_are_named():
     assert "2.1" in message
     assert "row 1, column 1" in refusal(changed(example(), ["data", "printed", "c", 0, 0], "3.1"))
     assert "'repaired.K'" in refusal(changed(example(), ["data", "design", "repaired.K", 0, 0], "0.2"))
-    assert "statement" in refusal(changed(example(), ["data", "claims", "stable", "statement"], "It is fast."))
+    assert "comparator" in refusal(changed(example(), ["data", "claims", "stable", "comparator"], "fails"))
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,7 @@ def test_changed_data_are_named():
         ("printed", {"c": [["3.01"]]}, "'c'"),
         ("printed", {"c": [["3.00", "1"]]}, "'c'"),
         ("designs", {("repaired", "K"): [[0.2]]}, "repaired.K"),
-        ("claims", {"stable": {**CLAIM, "statement": "The loop is fast."}}, "'stable'"),
+        ("claims", {"stable": {**CLAIM, "comparator": "fails"}}, "'stable'"),
         ("claims", {}, "'stable'"),
     ],
 )

@@ -1,11 +1,17 @@
 # What the rules share: the papers, what a step depends on, the environment of a step.
 
-from gainsay.errors import InputError
-from gainsay.steps.closure import sources, table_digest
-from gainsay.steps.resume import forget_damaged, lock
-from gainsay.tables.case import checked_name, paper_names
+import shlex
 
 ROOT = Path(workflow.basedir).resolve()
+LIBRARY = str(ROOT / "workflow")
+# This folder's code, whatever folder the active environment was made for.
+sys.path.insert(0, LIBRARY)
+
+from gainsay.errors import InputError
+from gainsay.steps.closure import sources, table_digest
+from gainsay.steps.holding import hold_results
+from gainsay.steps.resume import forget_damaged
+from gainsay.tables.case import checked_name, paper_names
 
 
 def refuse(error):
@@ -34,21 +40,35 @@ def chosen_papers():
     return known, chosen or known
 
 
+def numeric_threads():
+    """The number of threads of each numeric library."""
+    count = str(config["numeric_threads"])
+    if not (count.isascii() and count.isdigit() and 0 < int(count) < 1000):
+        raise InputError(
+            "configuration", field="numeric_threads", value=count, expected="1 or more"
+        )
+    return count
+
+
 try:
     ALL, PAPERS = chosen_papers()
+    THREADS = numeric_threads()
     if not workflow.dryrun and workflow.is_main_process:
-        lock(ROOT)
+        hold_results(ROOT)
         for line in forget_damaged(ROOT, ALL):
             print(line, flush=True)
 except InputError as error:
     refuse(error)
 
-THREADS = " ".join(
-    f"{library}_NUM_THREADS={int(config['numeric_threads'])}"
-    for library in ("OMP", "OPENBLAS", "MKL", "RAYON")
+ENVIRONMENT = " ".join(
+    [f"PYTHONPATH={shlex.quote(LIBRARY)}"]
+    + [
+        f"{library}_NUM_THREADS={THREADS}"
+        for library in ("OMP", "OPENBLAS", "MKL", "RAYON")
+    ]
 )
 
-shell.prefix(f"export {THREADS}; ")
+shell.prefix(f"export {ENVIRONMENT}; ")
 
 
 def tables(paper):

@@ -15,7 +15,7 @@ from gainsay.proof.certificate import Certificate
 
 __all__ = ["CaseTables", "MappingTables", "Reader", "Scope", "Tables", "adapted"]
 
-_CLAIM_COLUMNS = ("where", "kind", "statement", "comparator", "quantity", "published", "unit")
+_CLAIM_COLUMNS = ("comparator", "quantity", "published", "unit")
 #: entries of all unknowns of a certificate together
 MOST_ENTRIES = 4_000
 STRUCTURES = ("symmetric", "full", "diagonal", "skew")

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from gainsay.errors import InputError
+from gainsay.steps.holding import hold_as_step
 from gainsay.tables import Case, find_root, read_case
 
 #: exit codes of every command
@@ -33,7 +34,7 @@ def step_command(work: Callable[[Case], None], about: str, arguments: Sequence[s
     Returns
     -------
     int
-        0, or 2 where the input is refused before anything was computed.
+        0, or 2 where the input is refused before anything was computed, or another run has the results.
     """
     parser = argparse.ArgumentParser(description=about, epilog="exit codes: 0 done, 2 bad input")
     parser.add_argument("paper", help="folder name below papers/, such as wan2014")
@@ -42,7 +43,9 @@ def step_command(work: Callable[[Case], None], about: str, arguments: Sequence[s
     try:
         root = find_root(options.root)
         sys.path.insert(0, str(root))  # the modules of a paper come from the same project as its tables
-        work(read_case(root, options.paper))
+        case = read_case(root, options.paper)
+        hold_as_step(root)
+        work(case)
     except InputError as error:
         return refuse(error)
     return CLEAN

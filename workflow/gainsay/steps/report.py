@@ -8,6 +8,7 @@ from pathlib import Path
 from gainsay.errors import InputError
 from gainsay.report import PaperResults, write_index
 from gainsay.steps.command import CLEAN, refuse
+from gainsay.steps.holding import hold_as_step
 from gainsay.steps.page import results_of
 from gainsay.tables import find_root, read_case
 from gainsay.tables.files import read_records, write_csv
@@ -52,7 +53,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         root = find_root(options.root)
         sys.path.insert(0, str(root))  # the modules of a paper come from the same project as its tables
-        papers = [results_of(read_case(root, paper)) for paper in dict.fromkeys(options.papers)]
+        cases = [read_case(root, paper) for paper in dict.fromkeys(options.papers)]
+        hold_as_step(root)
+        papers = [results_of(case) for case in cases]
         write_report(root, papers)
     except InputError as error:
         return refuse(error)

@@ -1,48 +1,16 @@
-"""Going on: one run at a time in a folder, and steps whose files are lost, altered or unfinished count as not done.
+"""Going on: steps whose files are lost, altered or unfinished count as not done.
 
 Used by the Snakefile before it plans anything, so that a run that was killed, or whose results were touched, goes on at
 the next `snakemake --cores 2` by itself.
 """
 
-import fcntl
-import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TextIO
 
 from gainsay.errors import InputError
 from gainsay.tables.files import read_csv
 from gainsay.tables.listing import damage
 from gainsay.tables.results import STEPS
-
-_held: list[TextIO] = []
-
-
-def lock(root: Path) -> None:
-    """Take the lock of the results, which ends with this process however it ends.
-
-    Raises
-    ------
-    InputError
-        If another run holds it; names its process.
-    """
-    folder = root / "results"
-    folder.mkdir(exist_ok=True)
-    file = (folder / ".lock").open("a+", encoding="utf-8")
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        file.seek(0)
-        owner = file.read().strip() or "unknown"
-        file.close()
-        raise InputError(
-            f"another run is at work here, process {owner}", file="results", expected="one run at a time"
-        ) from None
-    file.truncate(0)
-    file.write(f"{os.getpid()}\n")
-    file.flush()
-    _held.append(file)  # open, and locked, as long as the process lives
-
 
 def _unfinished(results: Path, step: str) -> bool:
     """Whether a step left failures: what broke may not break again (memory, a full disk)."""
