@@ -16,17 +16,28 @@ OLDEST, NEWEST = (3, 11), (3, 13)
 
 
 def wanted() -> str:
-    """Return what a finished environment says of itself: where it stands and what it was made of."""
+    """Return what a finished environment says of itself first: where it stands and what it was made of and with."""
     digest = hashlib.sha256()
     for name in ("requirements.lock", "pyproject.toml"):
         digest.update((ROOT / name).read_bytes())
-    return f"{ROOT}\n{digest.hexdigest()}\n"
+    return f"{ROOT}\nPython {sys.version_info.major}.{sys.version_info.minor}\n{digest.hexdigest()}\n"
+
+
+def inventory() -> list[str]:
+    """Return what stands in the environment: its commands, its packages, and the files that say they are whole."""
+    places = (VENV / "bin", *VENV.glob("lib/python*/site-packages"))
+    entries = {path for place in places for path in place.glob("*") if path.name != "__pycache__"}
+    entries |= {path for place in places for path in place.glob("*/RECORD")}
+    return sorted(str(path.relative_to(VENV)) for path in entries)
 
 
 def finished() -> bool:
     """Whether the environment is whole, of this lock and of this folder; a copied or moved one is not."""
     ready = VENV / "ready"
-    return ready.is_file() and ready.read_text(encoding="utf-8") == wanted() and (VENV / "bin" / "python").exists()
+    if not ready.is_file() or not (VENV / "bin" / "python").exists():
+        return False
+    said = ready.read_text(encoding="utf-8")
+    return said.startswith(wanted()) and set(said.removeprefix(wanted()).splitlines()) <= set(inventory())
 
 
 def refuse(message: str) -> None:
@@ -68,7 +79,9 @@ def build() -> None:
     own = ("pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--python", python, "--editable", ".")
     run(uv, *own, doing="installing the project")
     run(python, "-m", "compileall", "-q", "workflow/gainsay", "papers", doing="compiling the project")
-    (VENV / "ready").write_text(wanted(), encoding="utf-8")
+    whole = VENV / "ready.part"
+    whole.write_text(wanted() + "".join(f"{name}\n" for name in inventory()), encoding="utf-8")
+    whole.replace(VENV / "ready")
 
 
 def main() -> None:

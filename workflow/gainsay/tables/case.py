@@ -32,6 +32,8 @@ from gainsay.tables.units import to_si
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
 _LONGEST_NAME = 60
+#: names of the workflow's own targets
+_RESERVED = ("all", "check", "report")
 _MATRIX = re.compile(r"(?P<file>printed/[A-Za-z0-9_]+\.csv) (?P<rows>[1-9]\d*)x(?P<columns>[1-9]\d*)")
 
 
@@ -150,6 +152,8 @@ def checked_name(name: str) -> str:
     if _NAME.fullmatch(name) is None or len(name) > _LONGEST_NAME:
         expected = f"up to {_LONGEST_NAME} lower-case letters, digits and underscores, a letter first"
         raise InputError("name of a paper", value=name[:_LONGEST_NAME], expected=expected)
+    if name in _RESERVED:
+        raise InputError("name of a paper", value=name, expected="a name that is no target of the workflow")
     return name
 
 

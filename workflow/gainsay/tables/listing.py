@@ -34,7 +34,7 @@ def write_listing(path: Path, folder: Path, files: Mapping[str, str]) -> None:
 
 
 def damage(path: Path, folder: Path) -> Iterator[tuple[str, str]]:
-    """Yield each file of a list that is not as it was left, and how: missing, empty or altered.
+    """Yield each file of a list that is not as it was left, and how: missing, empty, altered or unreadable.
 
     A list that is missing or malformed is itself what is damaged.
     """
@@ -45,9 +45,18 @@ def damage(path: Path, folder: Path) -> Iterator[tuple[str, str]]:
         yield name, "altered" if path.exists() else "missing"
         return
     for file, digest, of in rows:
-        if not (folder / file).is_file():
-            yield file, "missing"
-        elif not (folder / file).stat().st_size:
-            yield file, "empty"
-        elif not (folder / (of or file)).is_file() or sha256(folder / (of or file)) != digest:
-            yield file, "altered"
+        how = _damaged(folder / file, folder / (of or file), digest)
+        if how:
+            yield file, how
+
+
+def _damaged(path: Path, held: Path, digest: str) -> str:
+    """Say how a file is damaged, or nothing; `held` is what its digest was taken of."""
+    try:
+        if not path.is_file():
+            return "missing"
+        if not path.stat().st_size:
+            return "empty"
+        return "" if held.is_file() and sha256(held) == digest else "altered"
+    except OSError:  # no permission, a name that no file can have
+        return "unreadable"
