@@ -327,7 +327,7 @@ def snakemake(root: Path, *arguments: str) -> subprocess.CompletedProcess:
 
 @pytest.mark.slow
 def test_snakemake_runs_the_small_paper_and_then_has_nothing_to_do(toy):
-    for name in ("workflow", "Snakefile"):
+    for name in ("workflow", "profiles", "Snakefile"):
         source = ROOT / name
         (shutil.copytree if source.is_dir() else shutil.copy)(source, toy.root / name)
     first = snakemake(toy.root)
@@ -338,7 +338,13 @@ def test_snakemake_runs_the_small_paper_and_then_has_nothing_to_do(toy):
     assert snakemake(toy.root).returncode == 0
     again = snakemake(toy.root)
     assert again.returncode == 0
-    assert "Nothing to be done" in again.stderr + again.stdout
+    assert again.stdout == ""
+    (toy.root / "results/toy/logs/nominal.mcap").write_bytes(b"")
+    mended = snakemake(toy.root)
+    assert mended.returncode == 0
+    assert mended.stdout.startswith("toy: simulation runs again, logs/nominal.mcap empty\n")
+    assert (toy.root / "results/toy/logs/nominal.mcap").stat().st_size
+    assert "synthesis" not in mended.stdout
     toy.edit("audit.py", 'results.quantity("audit.length", 1.5, method="by hand")', 'raise ValueError("broken")')
     broken = snakemake(toy.root)
     assert broken.returncode == 1

@@ -10,7 +10,19 @@ from pathlib import Path
 from gainsay.errors import InputError
 from gainsay.tables.files import read_csv
 from gainsay.tables.listing import damage
-from gainsay.tables.results import STEPS
+
+#: step -> the steps that read what it leaves, in the order of the workflow
+AFTER = {
+    "synthesis": ("figures", "verdicts"),
+    "audit": ("figures", "verdicts"),
+    "simulation": ("figures", "views", "verdicts"),
+    "figures": ("verdicts",),
+    "views": ("verdicts",),
+    "verdicts": ("compare", "page"),
+    "compare": ("page",),
+    "page": (),
+}
+
 
 def _unfinished(results: Path, step: str) -> bool:
     """Whether a step left failures: what broke may not break again (memory, a full disk)."""
@@ -21,28 +33,49 @@ def _unfinished(results: Path, step: str) -> bool:
         return True
 
 
+def _undone(results: Path, step: str) -> str:
+    """Say why a step does not count as done, or nothing."""
+    listing = results / "parts" / f"{step}.files.csv"
+    damaged = [f"{file} {how}" for file, how in damage(listing, results)]
+    if not damaged:
+        return "it had failures" if _unfinished(results, step) else ""
+    return damaged[0] + (f" and {len(damaged) - 1} more" if len(damaged) > 1 else "")
+
+
 def forget_damaged(root: Path, papers: Iterable[str]) -> list[str]:
-    """Take the lists of files away from steps that are not done whole, so that they are run again.
+    """Take the lists of files away from steps that are not done whole and from all that follow, so that they run again.
+
+    Snakemake makes a missing file only where something that is missing too, or older, needs it.
 
     Returns
     -------
     list of str
-        A line for each such step: what is damaged.
+        A line for each step that had been done: what is damaged.
     """
-    said = []
-    for paper in papers:
-        results = root / "results" / paper
-        for step in (*STEPS, "verdicts", "compare", "page"):
-            listing = results / "parts" / f"{step}.files.csv"
-            if not listing.exists():
-                continue
-            damaged = [f"{file} {how}" for file, how in damage(listing, results)]
-            if damaged or _unfinished(results, step):
-                listing.unlink()
-                more = f" and {len(damaged) - 1} more" if len(damaged) > 1 else ""
-                said.append(f"{paper}: {step} runs again, {damaged[0] + more if damaged else 'it had failures'}")
-    listing = root / "results" / "report.files.csv"
-    if listing.exists() and list(damage(listing, root / "results")):
-        listing.unlink()
+    said: list[str] = []
+    shared = root / "results" / "report.files.csv"
+    undone = [paper for paper in papers if _forget(root / "results" / paper, said)]
+    if shared.exists() and list(damage(shared, root / "results")):
         said.append("report runs again, its files are not as it left them")
+        undone.append("report")
+    if undone or not shared.exists():
+        shared.unlink(missing_ok=True)
+        (root / "results" / ".checked").unlink(missing_ok=True)
     return said
+
+
+def _forget(results: Path, said: list[str]) -> bool:
+    """Forget what of one paper is not done whole; say whether anything is not."""
+    again: set[str] = set()
+    for step, after in AFTER.items():
+        listing = results / "parts" / f"{step}.files.csv"
+        why = _undone(results, step)
+        if why and listing.exists():
+            said.append(f"{results.name}: {step} runs again, {why}")
+        if why or step in again:
+            again |= {step, *after}
+    for step in again:
+        (results / "parts" / f"{step}.files.csv").unlink(missing_ok=True)
+    if again:
+        (results / ".checked").unlink(missing_ok=True)
+    return bool(again)

@@ -36,12 +36,14 @@ def write_listing(path: Path, folder: Path, files: Mapping[str, str]) -> None:
 def damage(path: Path, folder: Path) -> Iterator[tuple[str, str]]:
     """Yield each file of a list that is not as it was left, and how: missing, empty, altered or unreadable.
 
-    A list that is missing or malformed is itself what is damaged.
+    A list that is missing, malformed or without a file is itself what is damaged: every step leaves something.
     """
     name = f"{path.parent.name}/{path.name}"
     try:
         rows = [(row["file"], row["sha256"], row["of"]) for row in read_records(path)]
     except (InputError, KeyError):
+        rows = []
+    if not rows:
         yield name, "altered" if path.exists() else "missing"
         return
     for file, digest, of in rows:
