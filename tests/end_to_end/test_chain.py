@@ -282,7 +282,7 @@ def test_bad_input_found_inside_a_step_writes_nothing_either(toy):
     done = step(toy.root, "audit")
     assert done.returncode == 2
     assert done.stderr.startswith("bad input: papers/toy/parameters.csv: name 'weight': expected a number of this name")
-    assert [path for path in (toy.root / "results").rglob("*") if path.is_file()] == []
+    assert [path.name for path in (toy.root / "results").rglob("*") if path.is_file()] == [".steps"]  # a lock
 
 
 def test_an_interrupted_step_leaves_no_half_file_and_nothing_that_counts(toy):
