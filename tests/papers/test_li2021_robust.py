@@ -231,3 +231,15 @@ def test_every_figure_has_a_caption_and_every_point_of_the_trade_off_its_quantit
             case.quantities
         )
     assert f"tradeoff.{len(numbers) + 1}.delta_m" not in case.quantities
+
+
+def test_more_room_allowed_never_reaches_less(case):
+    # law: whatever meets a narrower wish meets a wider one; each committed design meets its own wish
+    for name, (wish, _) in searches.TRADE_OFF.items():
+        measured = searches.measures(case, plant.gains_of(case.designs[name]))
+        assert all(measured[key] <= bound for key, bound in wish.items()), name
+        for other, (wider, _) in searches.TRADE_OFF.items():
+            if searches._narrower(wish, wider):
+                assert case.designs[name]["level"][0, 0] <= case.designs[other]["level"][0, 0], (name, other)
+    widest = max(searches.TRADE_OFF, key=lambda name: case.designs[name]["level"][0, 0])
+    assert all(np.array_equal(case.designs["best"][letter], case.designs[widest][letter]) for letter in "ABC")

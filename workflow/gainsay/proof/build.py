@@ -15,9 +15,10 @@ from gainsay.proof import checker
 from gainsay.proof.certificate import ON_FAITH, Certificate, Conclusion
 from gainsay.proof.completion import cancelling, has_floats, listed, on_equations, rounded, texts
 
-__all__ = ["DIGITS", "certificate", "dual_bound", "farkas", "feasible_point", "finish"]
+__all__ = ["DIGITS", "accepted", "certificate", "dual_bound", "farkas", "feasible_point", "finish"]
 
 DIGITS = (6, 9, 12, 15, 17)
+_accepted: set[tuple[str, str]] = set()
 _SYMMETRIC, _SKEW = ("P", "S", "D"), ("G",)
 
 
@@ -62,7 +63,13 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
         draft.changed(data=data, conclusions=tuple(dict.fromkeys(conclusions))).to_json(), draft.id
     )
     checker.check(done, tables)
+    _accepted.add((done.paper, done.to_json()))
     return done
+
+
+def accepted(certificate: Certificate) -> bool:
+    """Whether a builder of this process has had the checker accept this very certificate: it need not do so twice."""
+    return (certificate.paper, certificate.to_json()) in _accepted
 
 
 def certificate(
