@@ -153,10 +153,10 @@ def analysis(case: Case, results: Results) -> None:
     results.quantity(
         "theorem1.gamma_min",
         value,
-        lower=max(floor, float(np.sqrt(max(least.lower, 0.0)))),
+        lower=floor,
         upper=float(np.sqrt(least.upper)),
         source="(9)",
-        method="P2 = P1, P3 = d_M R without loss; upper: checked point, lower: multipliers or exact norm at d_M",
+        method="P2 = P1, P3 = d_M R without loss; upper: checked point, lower: exact norm at d_M",
     )
     results.quantity(
         "theorem1.gamma_min_with_slack",
@@ -169,7 +169,7 @@ def analysis(case: Case, results: Results) -> None:
     results.quantity(
         "theorem1.gamma_min_mu_one",
         float(np.sqrt(worst.value)),
-        lower=max(floor, float(np.sqrt(max(worst.lower, 0.0)))),
+        lower=floor,
         upper=float(np.sqrt(worst.upper)),
         method="as theorem1.gamma_min",
         source="(9)",
