@@ -19,6 +19,8 @@ from gainsay.systems.delay_spectrum import (
     spectral_abscissa,
     unstable_root_count,
 )
+from gainsay.systems.level_proofs import level_not_reached
+from gainsay.systems.pencils import DelayPencil, turning
 
 
 def scalar(a: float, b: float) -> DelaySystem:
@@ -132,6 +134,21 @@ def test_the_count_is_that_of_the_roots_right_of_the_axis(seed, delay):
 def test_a_proof_about_a_negative_level_or_delay_is_refused(delay, level):
     with pytest.raises(InputError, match=r"delay|level"):
         gain_stays_below(scalar(1, 0.5), delay, level)
+
+
+@pytest.mark.parametrize("height", [0.04, 1e-3, 1e-8])
+def test_no_turn_is_lost_beside_a_root_of_high_multiplicity(height):
+    # closed form: det = s^8, whose argument is 8 arg s
+    pencil = DelayPencil(np.eye(8), ((np.zeros((8, 8)), 0.0),))
+    expected = 8 * (2 * math.atan(height) - math.pi)
+    assert turning(pencil, [-1 + 1j * height, 1 + 1j * height]) == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_level_below_the_gain_at_infinity_is_not_proved():
+    # y = 1/(s + 1 + 0.5 e^{-s}) w + w: the gain at infinity is 1
+    system = DelaySystem([[-1]], [[-0.5]], [[1]], [[1]], [[1]], [[1]])
+    assert not level_not_reached(system, 1.0, 0.5) and not level_not_reached(system, 1.0, 1.0)
+    assert level_not_reached(system, 1.0, 10.0)
 
 
 def test_a_root_on_the_axis_is_refused():
