@@ -113,7 +113,7 @@ def gather(case, gains, delta_m: float, one_matrix: bool = False) -> Evidence:
     form = robust.loop(plant.constants(case), gains, delta_m).balanced()
     a, b = case.number("disk_centre"), case.number("disk_radius")
     if one_matrix:
-        responses = np.array([form.response(-a + b * np.exp(1j * t)) for t in np.linspace(0, np.pi, 61)])
+        responses = np.array([form.response(-a + b * np.exp(1j * t)) for t in np.linspace(0, np.pi, 181)])
         ends: list[float] = []
         P, d = back(form, *arcs.one_matrix(form, a, b, robust.shared_scaling(responses)[1]))
         scales = d[None]

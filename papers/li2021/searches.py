@@ -52,7 +52,7 @@ def limits(case: Case, gains: SimpleNamespace) -> SimpleNamespace:
 
 def limit_of_one_matrix(case: Case, gains: SimpleNamespace, high: float) -> float:
     """Gain variation, at most high, up to which one scaling does for the whole circle, in floating point."""
-    circle = -case.number("disk_centre") + case.number("disk_radius") * np.exp(1j * np.linspace(0, np.pi, 61))
+    circle = -case.number("disk_centre") + case.number("disk_radius") * np.exp(1j * np.linspace(0, np.pi, 181))
 
     def shared(delta: float) -> float:
         loop = robust.loop(plant.constants(case), gains, delta).balanced()
