@@ -190,7 +190,8 @@ def test_differentiation_matrix_is_exact_on_polynomials():
     np.testing.assert_allclose(D @ x**8, 8 * x**7, atol=1e-12)
 
 
-@given(MODERATE, st.floats(0.05, 0.9), st.floats(0.0, 3.0))
+# delays near the smallest double are refused, in one line: 1/d overflows in the collocation
+@given(MODERATE, st.floats(0.05, 0.9), st.just(0.0) | st.floats(1e-6, 3.0))
 @settings(deadline=None, max_examples=25)
 def test_norm_of_a_positive_system_is_its_static_gain(a, share, delay):
     # x' = -a x + b x(t - d) + w with 0 < b < a is positive: |G| is largest at w = 0, 1/(a - b), whatever the delay
