@@ -132,7 +132,8 @@ def lint(case: "Case") -> None:
             faults = [("unit", recorded.unit, quantity.unit)]
         _refuse_first(faults, f"papers/{case.name}/recorded.csv", row)
     for row, found in enumerate(case.recorded_scans.values(), start=_ROW_OF_FIRST):
-        faults = [] if found.item in ("outcome", "turns_on") else _recorded_faults(found)
+        words = found.class_ == "exact"  # an outcome, an input, one of a list of choices
+        faults = [] if words else _recorded_faults(found)
         if found.claim not in case.claims:
             faults = [("claim", found.claim, "one of claims.csv")]
         _refuse_first(faults, f"papers/{case.name}/recorded_scans.csv", row)
