@@ -23,7 +23,8 @@ def project(root, **changed):
     (root / "Snakefile").touch()
     for file in FOLDER.glob("*.csv"):
         shutil.copy(file, folder)
-    shutil.copytree(FOLDER / "printed", folder / "printed")
+    for data in ("printed", "designs"):
+        shutil.copytree(FOLDER / data, folder / data)
     lines = (folder / "parameters.csv").read_text(encoding="utf-8").splitlines()
     for name, value in changed.items():
         (place,) = (i for i, line in enumerate(lines) if line.startswith(f"{name},"))
