@@ -1,6 +1,6 @@
 """Mixed H2/H-infinity state feedback of pinheiro2013: the LMIs (21), their limits, and checks by other means."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
@@ -292,30 +292,6 @@ def mixed_by_descent(plant: GeneralizedPlant, gamma: float, start: np.ndarray) -
     return gain(best), float(np.sqrt(cost(best) * size))
 
 
-def polished(plant: GeneralizedPlant, gamma: float, start: np.ndarray) -> np.ndarray:
-    """Gain of the least trace of Q to rounding, from the gain of a solver, whose error is the root of its gap's.
-
-    Raises
-    ------
-    ComputationError
-        If neither Newton's method nor a descent ends in a stationary point.
-    """
-    unit = np.maximum(np.abs(start), 1e-3 * np.abs(start).max())
-    size = trace_of_gain(plant, start, gamma)
-
-    def slope(y: np.ndarray) -> np.ndarray:
-        return (trace_gradient(plant, y.reshape(start.shape) * unit, gamma) * unit / size).ravel()
-
-    try:
-        found = root(slope, (start / unit).ravel(), tol=1e-13)
-        K = found.x.reshape(start.shape) * unit
-        if np.abs(found.fun).max() < 1e-9 and trace_of_gain(plant, K, gamma) <= size * (1 + 1e-9):
-            return K
-    except ComputationError:
-        pass  # a step left the gains that reach the level
-    return mixed_by_descent(plant, gamma, start)[0]
-
-
 def starting_gain(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray, np.ndarray]:
     """Gain that reaches a level, as close to the H2 limit as seven trials find, and its least covariance.
 
@@ -334,53 +310,3 @@ def starting_gain(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray, np
         except ComputationError:
             low = middle
     return found or (last, least_covariance(plant, last, gamma))
-
-
-@dataclass(frozen=True, eq=False)
-class Normalised:
-    """A plant in units in which a solution of (21) at level 1 is near identity matrices.
-
-    Attributes
-    ----------
-    plant : GeneralizedPlant
-        Its level is 1.
-    T : ndarray
-        x = T x'.
-    torque : ndarray, shape (m,)
-        u = torque * u'.
-    K : ndarray
-        A gain that reaches level 1, with the least covariance near the identity.
-    """
-
-    plant: GeneralizedPlant
-    T: np.ndarray
-    torque: np.ndarray
-    K: np.ndarray
-
-    @property
-    def point(self) -> dict[str, np.ndarray]:
-        """A point near the solution: sizes of X, Y and Q."""
-        C2 = self.plant.C2 - self.plant.D22 @ self.K
-        return {"X": np.eye(len(self.T)), "Y": self.K, "Q": C2 @ C2.T}
-
-    def gain(self, K: np.ndarray) -> np.ndarray:
-        """Gain in the units of the original plant."""
-        return self.torque[:, None] * np.linalg.solve(self.T.T, K.T).T
-
-
-def normalised(plant: GeneralizedPlant, gamma: float) -> Normalised:
-    """Choose units by the least covariance of a gain that reaches the level: whitened states, sizes of torque and cost.
-
-    Level, gains and least trace (up to a factor) stay what they are; only the numbers come near one.
-    """
-    K, X = starting_gain(plant, gamma)
-    T = np.linalg.cholesky(X)
-    torque = np.sqrt(np.diag(K @ X @ K.T))
-    C2 = plant.C2 - plant.D22 @ K
-    cost = np.sqrt(np.trace(C2 @ X @ C2.T))
-    to = np.linalg.inv(T)
-    changed = replace(
-        plant, A=to @ plant.A @ T, B1=to @ plant.B1, B2=to @ plant.B2 * torque, C1=plant.C1 @ T / gamma,
-        D11=plant.D11 / gamma, D12=plant.D12 * torque / gamma, C2=plant.C2 @ T / cost, D22=plant.D22 * torque / cost,
-    )  # fmt: skip
-    return Normalised(changed, T, torque, K @ T / torque[:, None])

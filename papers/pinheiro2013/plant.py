@@ -182,16 +182,6 @@ class GeneralizedPlant:
         closed = loop.close(np.diag([delta[AXES.index(axis)] for axis in self.channels]))
         return closed[:, :states], closed[:, states:]
 
-    def reduced(self) -> "GeneralizedPlant":
-        """Return the plant with parallel channels of w and parallel rows of z_inf merged.
-
-        Both norms and the LMIs (21) are the same with fewer rows: the channels of an axis enter in one direction, and
-        z_inf repeats the angles and rates. The channels lose their meaning, so that `uncertain` no longer applies.
-        """
-        w = _parallel(np.vstack([self.B1, self.D11]).T)
-        z = _parallel(np.hstack([self.C1, self.D11, self.D12]))
-        return replace(self, B1=self.B1 @ w, C1=z.T @ self.C1, D11=z.T @ self.D11 @ w, D12=z.T @ self.D12, channels=())
-
     def closed(self, K: np.ndarray) -> tuple[np.ndarray, ...]:
         """Return the closed loop with u = -K x: A - B2 K, B1, C1 - D12 K, D11, C2 - D22 K.
 
@@ -204,21 +194,6 @@ class GeneralizedPlant:
         if K.shape != self.B2.T.shape:
             raise InputError("gain of the wrong shape", field="K", value=K.shape, expected=str(self.B2.T.shape))
         return self.A - self.B2 @ K, self.B1, self.C1 - self.D12 @ K, self.D11, self.C2 - self.D22 @ K
-
-
-def _parallel(M: np.ndarray) -> np.ndarray:
-    """Orthonormal columns, one for each set of parallel rows of M: it adds such rows in squares and drops zero ones."""
-    sizes = np.linalg.norm(M, axis=1)
-    groups: list[tuple[np.ndarray, np.ndarray]] = []
-    for i in np.flatnonzero(sizes):
-        for direction, weights in groups:
-            along = float(direction @ M[i])
-            if abs(abs(along) - sizes[i]) <= 1e-12 * sizes[i]:
-                weights[i] = along
-                break
-        else:
-            groups.append((M[i] / sizes[i], np.eye(len(M))[i] * sizes[i]))
-    return np.array([weights / np.linalg.norm(weights) for _, weights in groups]).T
 
 
 def generalized_plant(satellite: Satellite, group: str) -> GeneralizedPlant:

@@ -95,6 +95,16 @@ def stages(A: np.ndarray, length: float, step: float = np.inf) -> list[tuple[flo
     return found
 
 
+def _largest(pieces: Sequence[tuple[float, Response]], output: np.ndarray) -> Peak:
+    """Largest modulus of a linear output over responses that begin one after another."""
+    found = Peak(0.0, 0.0)
+    for begin, response in pieces:
+        peak = response.peak(output, abs(found.value))
+        if abs(peak.value) > abs(found.value):
+            found = Peak(begin + peak.time, peak.value)
+    return found
+
+
 class Transient:
     """Free response of a stable system until its slowest mode has died out, sampled stage by stage.
 
@@ -114,8 +124,7 @@ class Transient:
 
     def peak(self, output: np.ndarray) -> Peak:
         """Largest modulus of a linear output."""
-        peaks = [(begin, response.peak(output)) for begin, response in self.pieces]
-        return max((Peak(begin + p.time, p.value) for begin, p in peaks), key=lambda p: abs(p.value))
+        return _largest(self.pieces, output)
 
     def last_above(self, output: np.ndarray, level: float) -> float:
         """Time after which |c x| stays below a level, s."""
@@ -178,12 +187,7 @@ class Disturbed:
 
     def peak(self, output: np.ndarray) -> Peak:
         """Largest modulus of a linear output of the satellite's state."""
-        found = []
-        for begin, response in self.pieces:
-            padded = np.concatenate([output, np.zeros(response.A.shape[0] - self.size)])
-            peak = response.peak(padded)
-            found.append(Peak(begin + peak.time, peak.value))
-        return max(found, key=lambda p: abs(p.value))
+        return _largest(self.pieces, np.concatenate([output, np.zeros(self.pieces[0][1].A.shape[0] - self.size)]))
 
 
 def paired(nominal: np.ndarray, other: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

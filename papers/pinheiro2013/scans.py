@@ -3,11 +3,12 @@
 Scans that need designs share their samples of moments of inertia, orbital rate, weights and reading of w; the unit of
 the rates, or the harmonics, axes and duration of (25), come beside them where they matter. At each, (21) is
 solved for pitch and for roll and yaw at gamma = 0.2, or at 1.001 of the infimum where 0.2 lies below it (the paper
-calls this level pure H-infinity and gamma_min), at 2 and at 100. Responses to (24) are judged over all t >= 0,
-whatever the lost time axes showed of them.
+calls this level pure H-infinity and gamma_min), at 2 and at 100: for all points together, by the first-order condition,
+which one gain alone meets (see `gains`). Responses to (24) are judged over all t >= 0, whatever the lost time axes
+showed of them.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import product
@@ -15,11 +16,10 @@ from itertools import product
 import numpy as np
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Solved, solve
 from gainsay.systems.norms import h2_norm
 from gainsay.tables.results import task
 from gainsay.verdicts.scan import Plausible, plausible, scan
-from papers.pinheiro2013 import mixed, responses
+from papers.pinheiro2013 import gains, mixed, responses
 from papers.pinheiro2013.plant import GROUPS, GeneralizedPlant, Satellite, generalized_plant, perturbed
 
 LEVELS = ("hinf", "mixed", "h2")
@@ -78,44 +78,46 @@ def read_inputs(plant: GeneralizedPlant, reading: str) -> GeneralizedPlant:
     """
     q = len(plant.channels)
     taken = {"both": slice(None), "d_alone": slice(q, None), "channels_alone": slice(q)}[reading]
-    return replace(plant, B1=plant.B1[:, taken], D11=plant.D11[:, taken]).reduced()
+    return replace(plant, B1=plant.B1[:, taken], D11=plant.D11[:, taken], channels=())
 
 
-def quick_design(plant: GeneralizedPlant, gamma: float) -> np.ndarray:
-    """Gain of the least trace of Q, by one solve in normalised units where that closes the gap, else by several.
+def per_axis(measure: Callable[[str, int], float]) -> np.ndarray:
+    """Measure for pitch, roll, yaw: measure(group, index of the axis in it)."""
+    return np.array([measure("pitch", 0), measure("roll_yaw", 0), measure("roll_yaw", 1)])
 
-    It is polished, since orderings of nearly equal designs are decided by it.
+
+def gains_of(designs: Sequence["Designs"]) -> list[dict[tuple[str, str], np.ndarray]]:
+    """Find the gains of the three levels for many points at once, by level and group.
+
+    Raises
+    ------
+    ComputationError
+        If a gain does not meet the first-order condition.
     """
-    unit = mixed.normalised(plant, gamma)
-    program = mixed.mixed_program(unit.plant, 1.0, typical=np.eye(len(plant.A)))
-    found = solve(program, unit.point, rounds=1)
-    if not isinstance(found, Solved) or not found.gap < 1e-6:
-        found = solve(program)
-    if isinstance(found, Solved):
-        try:
-            return unit.gain(mixed.polished(unit.plant, 1.0, np.linalg.solve(found["X"], found["Y"].T).T))
-        except ComputationError:
-            pass  # too close to the edge of the gains that reach the level
-    # Where the solver is of no help, the descent starts from the gain of the normalisation.
-    return unit.gain(mixed.polished(unit.plant, 1.0, unit.K))
+    found: list[dict[tuple[str, str], np.ndarray]] = [{} for _ in designs]
+    for group in SEPARATE:
+        plants = [(d.plants[group], d.gamma(level, group)) for d in designs for level in LEVELS]
+        limits = [mixed.limit_gain(plant) for plant, _ in plants]
+        K, _ = gains.least_trace_gains(gains.stack(*zip(*plants, strict=True), limits))
+        for i, of_one in enumerate(found):
+            of_one.update({(level, group): K[len(LEVELS) * i + j] for j, level in enumerate(LEVELS)})
+    return found
 
 
-class Study:
-    """The three designs at one point of the plausible inputs, and what they do; everything computed when asked for.
+class Designs:
+    """The three designs at one point of the inputs that shape them, and their release at 0.6 deg/s.
+
+    Everything is computed when asked for; a release at another rate is as much larger.
 
     Parameters
     ----------
     case : gainsay.tables.Case
     point : mapping
         Values of inputs; what is missing is taken from reconstruction B.
-    gains : dict, optional
-        Gains by level and group, where they are known from a study of the same design inputs.
     """
 
-    def __init__(self, case, point: Mapping, gains: dict | None = None) -> None:
-        self.case, self.point = case, point = case, {**base(case), **point}
-        if gains is not None:
-            self.gains = gains
+    def __init__(self, case, point: Mapping) -> None:
+        self.case, point = case, {**base(case), **point}
         moments = tuple(point[f"inertia_{axis}"] for axis in "xyz")
         weights = (point["angle_weight"], point["rate_weight"], 1.0)
         self.satellite = Satellite(moments, point["orbital_rate"], case.number("inertia_change"), weights)
@@ -131,23 +133,15 @@ class Study:
     @cached_property
     def gains(self) -> dict[tuple[str, str], np.ndarray]:
         """Gain by level and group."""
-        return {
-            (level, group): quick_design(self.plants[group], self.gamma(level, group))
-            for level in LEVELS
-            for group in SEPARATE
-        }
-
-    def _start(self, group: str) -> np.ndarray:
-        rates = self.case.matrix("initial_rates")[["xyz".index(a) for a in GROUPS[group]], 0]
-        factor = np.pi / 180 if self.point["rate_unit"] == "deg/s" else 1.0
-        return np.concatenate([np.zeros(len(rates)), factor * rates])
+        return gains_of([self])[0]
 
     @cached_property
     def releases(self) -> dict[tuple[str, str], tuple[responses.Transient, list[responses.Transient]]]:
         """Response of the nominal plant, and beside plants 1 and 2, by level and group."""
         found = {}
         for (level, group), K in self.gains.items():
-            A, start = responses.loop_matrix(self.satellite, group, K), self._start(group)
+            rates = self.case.matrix("initial_rates")[["xyz".index(a) for a in GROUPS[group]], 0] * np.pi / 180
+            A, start = responses.loop_matrix(self.satellite, group, K), np.concatenate([np.zeros(len(rates)), rates])
             others = [responses.loop_matrix(p, group, K) for p in perturbed(self.case, self.satellite, group)]
             found[level, group] = (
                 responses.Transient(A, start),
@@ -155,19 +149,15 @@ class Study:
             )
         return found
 
-    def _per_axis(self, measure: Callable) -> np.ndarray:
-        """Measure for pitch, roll, yaw: measure(group, index of the axis in it)."""
-        return np.array([measure("pitch", 0), measure("roll_yaw", 0), measure("roll_yaw", 1)])
-
-    @cache  # noqa: B019 (a study lives as long as the scans)
+    @cache  # noqa: B019 (designs live as long as the scans)
     def peak_angle(self, level: str) -> np.ndarray:
         """Largest modulus of each angle after release, rad."""
-        return self._per_axis(lambda g, i: abs(self.releases[level, g][0].peak(np.eye(2 * len(GROUPS[g]))[i]).value))
+        return per_axis(lambda g, i: abs(self.releases[level, g][0].peak(np.eye(2 * len(GROUPS[g]))[i]).value))
 
     @cache  # noqa: B019
     def peak_torque(self, level: str) -> np.ndarray:
         """Largest modulus of each control torque after release, N m."""
-        return self._per_axis(lambda g, i: abs(self.releases[level, g][0].peak(self.gains[level, g][i]).value))
+        return per_axis(lambda g, i: abs(self.releases[level, g][0].peak(self.gains[level, g][i]).value))
 
     @cache  # noqa: B019
     def settling(self, level: str) -> np.ndarray:
@@ -179,7 +169,7 @@ class Study:
             output = np.eye(2 * len(GROUPS[group]))[i]
             return self.releases[level, group][0].last_above(output, responses.SETTLED * peak)
 
-        return self._per_axis(measure)
+        return per_axis(measure)
 
     @cache  # noqa: B019
     def difference(self, level: str) -> np.ndarray:
@@ -190,39 +180,7 @@ class Study:
             both = self.releases[level, group][1]
             return max(abs(response.peak(np.concatenate([unit, -unit])).value) for response in both)
 
-        return self._per_axis(measure)
-
-    @cached_property
-    def disturbed(self) -> dict[tuple[str, str, int], responses.Disturbed]:
-        """Responses to (25), by level, group and acting axis (-1: every axis)."""
-        torque = responses.disturbance(self.case, int(self.point["harmonics"]))
-        end, found = self.point["disturbance_horizon"], {}
-        for (level, group), K in self.gains.items():
-            size = len(GROUPS[group])
-            one = self.point["disturbance_axes"] == "one_axis" and size > 1
-            for acting in range(size) if one else (-1,):
-                axes = np.ones(size) if acting < 0 else np.eye(size)[acting]
-                found[level, group, acting] = responses.Disturbed(
-                    self.satellite, group, K, torque, end, axes=axes, step=_LONGEST_STEP, fine=True
-                )
-        return found
-
-    def _under_torques(self, level: str, output: Callable[[str, int], np.ndarray]) -> np.ndarray:
-        def measure(group: str, i: int) -> float:
-            acting = i if (level, group, i) in self.disturbed and (level, group, -1) not in self.disturbed else -1
-            return abs(self.disturbed[level, group, acting].peak(output(group, i)).value)
-
-        return self._per_axis(measure)
-
-    @cache  # noqa: B019
-    def disturbed_angle(self, level: str) -> np.ndarray:
-        """Largest modulus of each angle under (25), rad."""
-        return self._under_torques(level, lambda g, i: np.eye(2 * len(GROUPS[g]))[i])
-
-    @cache  # noqa: B019
-    def disturbed_torque(self, level: str) -> np.ndarray:
-        """Largest modulus of each control torque under (25), N m."""
-        return self._under_torques(level, lambda g, i: self.gains[level, g][i])
+        return per_axis(measure)
 
     def gamma_min(self) -> float:
         """Infimum of the level over all axes, for the input w as read."""
@@ -247,11 +205,78 @@ class Study:
         loops = (responses.loop_matrix(p, group, K) for (_, group), K in self.gains.items() for p in plants)
         return max(float(np.linalg.eigvals(A).real.max()) for A in loops)
 
+
+class Study:
+    """The three designs at one point of the plausible inputs, and what they do.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    point : mapping
+        Values of inputs; what is missing is taken from reconstruction B.
+    designs : Designs, optional
+        Where they are known from a study of the same design inputs.
+    """
+
+    def __init__(self, case, point: Mapping, designs: Designs | None = None) -> None:
+        self.case, self.point = case, {**base(case), **point}
+        self.designs = Designs(case, point) if designs is None else designs
+        self.satellite, self.plants = self.designs.satellite, self.designs.plants
+        #: rates of (24) over those of the designs' release
+        self.faster = {"deg/s": 1.0, "rad/s": 180 / np.pi}[self.point["rate_unit"]]
+
+    @property
+    def gains(self) -> dict[tuple[str, str], np.ndarray]:
+        """Gain by level and group."""
+        return self.designs.gains
+
+    def peak_angle(self, level: str) -> np.ndarray:
+        """Largest modulus of each angle after release, rad."""
+        return self.faster * self.designs.peak_angle(level)
+
+    def peak_torque(self, level: str) -> np.ndarray:
+        """Largest modulus of each control torque after release, N m."""
+        return self.faster * self.designs.peak_torque(level)
+
+    def settling(self, level: str) -> np.ndarray:
+        """Time after which each angle stays below a share of its peak, s."""
+        return self.designs.settling(level)
+
+    def difference(self, level: str) -> np.ndarray:
+        """Largest difference of each angle between the nominal plant and the worse of plants 1 and 2, rad."""
+        return self.faster * self.designs.difference(level)
+
+    @cached_property
+    def disturbed(self) -> dict[str, np.ndarray]:
+        """Largest modulus under (25) by level: of each angle, rad, then of each control torque, N m; shape (2, 3)."""
+        torque, end = responses.disturbance(self.case, int(self.point["harmonics"])), self.point["disturbance_horizon"]
+        found = {level: np.zeros((2, 3)) for level in LEVELS}
+        for (level, group), K in self.gains.items():
+            size = len(GROUPS[group])
+            one = self.point["disturbance_axes"] == "one_axis" and size > 1
+            for acting in range(size) if one else (-1,):
+                axes = np.ones(size) if acting < 0 else np.eye(size)[acting]
+                response = responses.Disturbed(
+                    self.satellite, group, K, torque, end, axes=axes, step=_LONGEST_STEP, fine=True
+                )
+                for i in range(size) if acting < 0 else (acting,):
+                    column = 0 if group == "pitch" else 1 + i
+                    for row, output in enumerate((np.eye(2 * size)[i], K[i])):
+                        found[level][row, column] = abs(response.peak(output).value)
+        return found
+
+    def disturbed_angle(self, level: str) -> np.ndarray:
+        """Largest modulus of each angle under (25), rad."""
+        return self.disturbed[level][0]
+
+    def disturbed_torque(self, level: str) -> np.ndarray:
+        """Largest modulus of each control torque under (25), N m."""
+        return self.disturbed[level][1]
+
     def peak_momentum(self) -> float:
         """Largest angular momentum of an axis at the start of the release, N m s."""
-        rates = np.concatenate([self._start(g)[len(GROUPS[g]) :] for g in SEPARATE])
-        moments = np.array([self.satellite.moment(a) for g in SEPARATE for a in GROUPS[g]])
-        return float(np.max(np.abs(rates) * moments))
+        rates = self.faster * self.case.matrix("initial_rates")[:, 0] * np.pi / 180
+        return float(np.max(np.abs(rates) * self.satellite.inertia))
 
 
 @dataclass(frozen=True)
@@ -287,11 +312,11 @@ def _ratio(of: str, smaller: str, larger: str) -> Callable[[Study], float]:
 
 ONE = _below(1.0)
 QUESTIONS = (
-    Question("gamma-min-value", "scan.gamma_min", Study.gamma_min, lambda v: abs(v - 0.2) <= 0.05,
+    Question("gamma-min-value", "scan.gamma_min", lambda s: s.designs.gamma_min(), lambda v: abs(v - 0.2) <= 0.05,
              "infimum of the level over all axes within half a unit of the printed digit, 0.15 to 0.25", LEVEL),
-    Question("gamma-100-pure-h2", "scan.h2_excess", Study.h2_excess, lambda v: v <= 0.01,
+    Question("gamma-100-pure-h2", "scan.h2_excess", lambda s: s.designs.h2_excess(), lambda v: v <= 0.01,
              "H2 norm at gamma = 100 within 1 % of the H2 optimum"),
-    Question("robust-plausible", "scan.worst_abscissa", Study.worst_abscissa, lambda v: v <= 0.0,
+    Question("robust-plausible", "scan.worst_abscissa", lambda s: s.designs.worst_abscissa(), lambda v: v <= 0.0,
              "all three designs stable at the eight corners of the 10 % changes"),
     Question("fig6-8-no-difference", "scan.relative_difference",
              lambda s: float(np.max(s.difference("hinf") / s.peak_angle("hinf"))), lambda v: v <= 0.01,
@@ -331,28 +356,51 @@ QUESTIONS = (
 )  # fmt: skip
 
 
+class Shared:
+    """Studies at the points of all scans; what two of them share is computed once.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    """
+
+    def __init__(self, case) -> None:
+        self.case = case
+        self._designs: dict[tuple, Designs] = {}
+        self._studies: dict[tuple, Study] = {}
+
+    def studies(self, points: Iterable[Mapping], names: Iterable[str]) -> list[Study]:
+        """Return the study of each point; where the inputs shape the designs, their gains are found together."""
+        keys = [tuple(sorted(point.items())) for point in points]
+        for key in keys:
+            if key not in self._studies:
+                shape = tuple((name, value) for name, value in key if name in DESIGN)
+                if shape not in self._designs:
+                    self._designs[shape] = Designs(self.case, dict(shape))
+                self._studies[key] = Study(self.case, dict(key), self._designs[shape])
+        found = [self._studies[key] for key in keys]
+        new = [designs for designs in dict.fromkeys(s.designs for s in found) if "gains" not in vars(designs)]
+        if new and set(DESIGN) <= set(names):
+            for designs, of_one in zip(new, gains_of(new), strict=True):
+                designs.gains = of_one
+        return found
+
+
 @task("scan over missing inputs")
 def missing_inputs(case, results):
     """Scan every claim whose outcome may hang on what the paper leaves out."""
-    studies: dict[tuple, Study] = {}
-
-    def study(point: Mapping) -> Study:
-        key = tuple(sorted(point.items()))
-        if key not in studies:
-            design = tuple(sorted((name, point[name]) for name in DESIGN if name in point))
-            known = studies.get(design)
-            gains = known.gains if known is not None and len(design) == len(DESIGN) else None
-            studies[key] = Study(case, point, gains)
-        return studies[key]
-
-    here, broken = Study(case, {}), []
+    shared, here, broken = Shared(case), Study(case, {}), []
     for question in QUESTIONS:
+
+        def together(points: Sequence[Mapping], question: Question = question) -> list[float]:
+            return [question.value(study) for study in shared.studies(points, question.inputs)]
+
         try:
             found = scan(
                 question.claim, question.quantity, inputs(case, question.inputs),
-                lambda p, q=question: q.value(study(p)), question.holds,
-                criterion=question.criterion, samples=int(case.number("scan_samples")),
-                seed=int(case.number("scan_seed")), admissible=rigid(case),
+                lambda point, all_=together: all_([point])[0], question.holds, criterion=question.criterion,
+                samples=int(case.number("scan_samples")), seed=int(case.number("scan_seed")), admissible=rigid(case),
+                together=together,
             )  # fmt: skip
         except ComputationError as error:
             broken.append(str(error))

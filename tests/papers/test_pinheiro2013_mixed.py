@@ -6,9 +6,8 @@ from hypothesis import strategies as st
 from gainsay.errors import ComputationError, InputError
 from gainsay.lmi import Infimum, infimum
 from gainsay.systems.norms import h2_norm, hinf_norm
-from papers.pinheiro2013 import mixed, pitch
+from papers.pinheiro2013 import gains, mixed, pitch
 from papers.pinheiro2013.plant import Satellite, generalized_plant
-from papers.pinheiro2013.scans import quick_design
 
 SATELLITE = Satellite((12.0, 11.0, 9.0), 1.0e-3)
 PITCH, ROLL_YAW = (generalized_plant(SATELLITE, group) for group in ("pitch", "roll_yaw"))
@@ -51,7 +50,6 @@ def test_design_keeps_both_bounds_and_its_trace_is_that_of_its_gain(plant, gamma
     assert design.h2 <= design.sqrt_trace
     # Identity: the least X for this gain solves a Riccati equation.
     assert mixed.trace_of_gain(plant, design.K, gamma) == pytest.approx(design.sqrt_trace**2, rel=2e-6)
-    assert quick_design(plant.reduced(), gamma) == pytest.approx(design.K, rel=2e-3, abs=1e-5 * np.abs(design.K).max())
 
 
 def test_gains_forget_the_weights_at_the_least_level():
@@ -148,3 +146,62 @@ def test_gain_that_misses_the_level_has_no_covariance():
     with pytest.raises(ComputationError, match=r"gamma = 2\.0"):
         mixed.least_covariance(PITCH, mixed.h2_design(PITCH).K, 2.0)
     assert mixed.trace_of_gain(PITCH, -np.ones((1, 2)), 2.0) == np.inf
+
+
+LEVELS = (0.2, 2.0, 100.0)
+
+
+@pytest.fixture(scope="module", params=[PITCH, ROLL_YAW], ids=["pitch", "roll_yaw"])
+def together(request):
+    """A plant with the gains of three levels, found together."""
+    stacked = gains.stack([request.param] * 3, LEVELS, [mixed.limit_gain(request.param)] * 3)
+    return request.param, stacked, *gains.least_trace_gains(stacked)
+
+
+def test_gains_found_together_are_those_of_the_lmi_and_of_the_descent(together):
+    plant, _, found, errors = together
+    assert errors.max() < 1e-11
+    for gamma, K in zip(LEVELS, found, strict=True):
+        # Two other ways to the same gain: the LMI, to the root of its gap, and the descent by another Riccati solver.
+        design = mixed.mixed_design(plant, gamma)
+        assert pytest.approx(design.K, rel=2e-3, abs=1e-4 * np.abs(design.K).max()) == K
+        assert mixed.trace_of_gain(plant, K, gamma) <= design.sqrt_trace**2 * (1 + 1e-12)
+        other, _ = mixed.mixed_by_descent(plant, gamma, design.K)
+        assert pytest.approx(other, rel=1e-7, abs=1e-9 * np.abs(other).max()) == K
+
+
+def test_a_gain_does_not_hang_on_its_neighbours_nor_on_the_start(together):
+    plant, _, found, _ = together
+    for i, gamma in enumerate(LEVELS):
+        # Law: there is one stationary gain, whatever other gain that reaches the level is given beside the H2 gain.
+        start = 1.05 * found[i] if np.isfinite(mixed.trace_of_gain(plant, 1.05 * found[i], gamma)) else found[i]
+        alone, _ = gains.least_trace_gains(gains.stack([plant], [gamma], [start]))
+        assert pytest.approx(found[i], rel=1e-9, abs=1e-11 * np.abs(found[i]).max()) == alone[0]
+
+
+def test_derivatives_of_the_trace_are_difference_quotients(together):
+    _, stacked, found, _ = together
+    K = found * 1.02
+    X, trace = gains.covariances(stacked, K)
+    assert np.isfinite(trace).all()
+    first, second = gains._derivatives(stacked, K, X)
+    step = 1e-5 * np.random.default_rng(3).standard_normal(K.shape) * np.abs(K).max(axis=(1, 2), keepdims=True)
+    ends = [(K + sign * step, *gains.covariances(stacked, K + sign * step)) for sign in (1, -1)]
+    slopes = [gains._derivatives(stacked, end, X)[0] for end, X, _ in ends]
+    assert ends[0][2] - ends[1][2] == pytest.approx(2 * (first * step).sum(axis=(1, 2)), rel=1e-4)
+    predicted = (second @ step.reshape(len(K), -1, 1)).reshape(K.shape)
+    scale = np.abs(predicted).max(axis=(1, 2), keepdims=True)
+    assert ((slopes[0] - slopes[1]) / 2 / scale) == pytest.approx(predicted / scale, abs=1e-5)
+
+
+def test_gains_that_miss_the_level_have_no_covariance_in_a_stack():
+    stacked = gains.stack([PITCH] * 2, [2.0, 2.0], [mixed.limit_gain(PITCH)] * 2)
+    # The H2 gain misses the level, an unstable gain has no norm; the closed-form gain reaches it.
+    for K, reaches in ((mixed.h2_design(PITCH).K, False), (-np.ones((1, 2)), False), (mixed.limit_gain(PITCH), True)):
+        _, trace = gains.covariances(stacked, np.array([K, mixed.limit_gain(PITCH)]))
+        assert np.isfinite(trace).tolist() == [reaches, True]
+        assert trace[1] == pytest.approx(mixed.trace_of_gain(PITCH, mixed.limit_gain(PITCH), 2.0), rel=1e-10)
+    with pytest.raises(InputError, match="above the norm of D11"):
+        gains.stack([PITCH], [0.9 * mixed.gamma_min(PITCH)], [mixed.limit_gain(PITCH)])
+    with pytest.raises(ComputationError, match="no gain at hand"):
+        gains.least_trace_gains(gains.stack([PITCH], [2.0], [-np.ones((1, 2))])[[0]])

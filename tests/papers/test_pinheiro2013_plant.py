@@ -5,7 +5,6 @@ from hypothesis import strategies as st
 
 from gainsay.dynamics import attitude
 from gainsay.errors import InputError
-from gainsay.systems.norms import h2_norm, hinf_norm
 from papers.pinheiro2013.plant import (
     GROUPS,
     Satellite,
@@ -99,17 +98,3 @@ def test_bad_satellites_and_gains_are_refused():
         generalized_plant(SATELLITE, "pitch").closed(np.ones((2, 1)))
     with pytest.raises(InputError, match="group of axes"):
         generalized_plant(SATELLITE, "roll")
-
-
-@given(moments, st.sampled_from(list(GROUPS)))
-@settings(max_examples=20, deadline=None)
-def test_reduced_plant_has_the_same_norms_with_fewer_rows(inertia, group):
-    plant = generalized_plant(Satellite(inertia, 1.1e-3), group)
-    small, a = plant.reduced(), len(plant.axes)
-    K = np.hstack([np.diag(inertia[:a]), 1.5 * np.diag(inertia[:a])])
-    A, B, C, D, C2 = plant.closed(K)
-    _, b, c, d, _ = small.closed(K)
-    # Law: orthogonal transformations of input and output keep both norms.
-    assert b.shape[1] == a
-    assert hinf_norm(A, b, c, d)[0] == pytest.approx(hinf_norm(A, B, C, D)[0], rel=1e-9)
-    assert h2_norm(A, b, C2) == pytest.approx(h2_norm(A, B, C2), rel=1e-9)

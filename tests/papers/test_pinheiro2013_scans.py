@@ -9,7 +9,7 @@ from gainsay.proof import check
 from gainsay.systems.norms import hinf_norm
 from gainsay.tables import read_case
 from gainsay.tables.results import Results, run_tasks
-from papers.pinheiro2013 import audit, mixed, scans, synthesis
+from papers.pinheiro2013 import audit, mixed, responses, scans, synthesis
 from papers.pinheiro2013.plant import generalized_plant, reconstruction
 from papers.pinheiro2013.runs import RUNS
 
@@ -54,7 +54,7 @@ def test_study_without_a_point_is_reconstruction_b(case, study):
     assert study.satellite == satellite
     for (level, group), K in study.gains.items():
         # Another way to the same gain: the program in the units of the paper.
-        other = mixed.mixed_design(generalized_plant(satellite, group), study.gamma(level, group)).K
+        other = mixed.mixed_design(generalized_plant(satellite, group), study.designs.gamma(level, group)).K
         assert pytest.approx(other, rel=2e-3, abs=1e-4 * np.abs(other).max()) == K
 
 
@@ -70,15 +70,32 @@ def test_torque_after_release_starts_at_the_rate_gain(study):
 
 
 def test_unit_of_the_rates_scales_every_angle(case, study):
-    turned = scans.Study(case, {"rate_unit": "rad/s"}, study.gains)
-    assert turned.peak_angle("h2") == pytest.approx(study.peak_angle("h2") * 180 / np.pi, rel=1e-9)
-    assert turned.settling("h2") == pytest.approx(study.settling("h2"), rel=1e-6)
+    turned = scans.Study(case, {"rate_unit": "rad/s"}, study.designs)
+    # Another way: the release itself, integrated at 0.6 rad/s.
+    A = responses.loop_matrix(study.satellite, "pitch", study.gains["h2", "pitch"])
+    response = responses.Transient(A, np.array([0.0, 0.6]))
+    peak = abs(response.peak(np.array([1.0, 0.0])).value)
+    assert turned.peak_angle("h2")[0] == pytest.approx(peak, rel=1e-9)
+    settled = response.last_above(np.array([1.0, 0.0]), responses.SETTLED * peak)
+    assert turned.settling("h2")[0] == pytest.approx(settled, rel=1e-6)
+
+
+def test_studies_of_many_points_share_designs_and_equal_those_of_one(case, study):
+    shared = scans.Shared(case)
+    values = {name: scans.base(case)[name] for name in scans.RELEASE}
+    points = [values, {**values, "rate_unit": "rad/s"}, {**values, "norm_inputs": "d_alone"}]
+    here, turned, alone = shared.studies(points, scans.RELEASE)
+    assert here.designs is turned.designs is not alone.designs
+    for key, K in study.gains.items():
+        assert here.gains[key] == pytest.approx(K, rel=1e-9, abs=1e-11 * np.abs(K).max())
+    other = scans.Designs(case, {"norm_inputs": "d_alone"})
+    assert alone.gains["h2", "pitch"] == pytest.approx(other.gains["h2", "pitch"], rel=1e-9)
 
 
 def test_level_without_the_disturbance_forgets_the_moments(case):
     # Closed form: without d the norm of D11 is p_i/I_i = 0.1 but for terms in n.
     found = [
-        scans.Study(case, {"norm_inputs": "channels_alone", "inertia_x": x, "inertia_y": x, "inertia_z": x}).gamma_min()
+        scans.Designs(case, {"norm_inputs": "channels_alone", **{f"inertia_{a}": x for a in "xyz"}}).gamma_min()
         for x in (3.0, 30.0)
     ]
     assert found == pytest.approx([0.1, 0.1], rel=1e-4)
@@ -87,26 +104,26 @@ def test_level_without_the_disturbance_forgets_the_moments(case):
 def test_level_of_d_alone_is_the_inverse_of_the_least_moment(case):
     # Closed form: d enters the acceleration by 1/I, and D11 has no other column.
     point = {"norm_inputs": "d_alone", "inertia_x": 8.0, "inertia_y": 7.0, "inertia_z": 5.0}
-    assert scans.Study(case, point).gamma_min() == pytest.approx(0.2, rel=1e-12)
+    assert scans.Designs(case, point).gamma_min() == pytest.approx(0.2, rel=1e-12)
 
 
 def test_gain_of_a_scan_is_a_stationary_point(case, study):
     # Another way to the same gain: the descent over the gains, without an LMI.
     for (level, group), K in study.gains.items():
-        other, _ = mixed.mixed_by_descent(study.plants[group], study.gamma(level, group), K * 1.001)
+        other, _ = mixed.mixed_by_descent(study.plants[group], study.designs.gamma(level, group), K * 1.001)
         assert pytest.approx(other, rel=1e-7, abs=1e-9 * np.abs(other).max()) == K
 
 
 def test_every_reading_of_the_norm_inputs_is_stable_at_the_corners(case):
     for reading in ("both", "d_alone", "channels_alone"):
-        assert scans.Study(case, {"norm_inputs": reading}).worst_abscissa() < 0
+        assert scans.Designs(case, {"norm_inputs": reading}).worst_abscissa() < 0
 
 
 def test_gain_where_the_solver_stops_short(case):
     # Just above the least level with heavy weights no point of the solver holds; the norm is its own oracle.
     point = dict(zip(scans.DESIGN, (3.2, 2.0, 2.13, 2.7e-4, 10.0, 5.0, "both"), strict=True))
     study = scans.Study(case, point)
-    plant, gamma = study.plants["roll_yaw"], study.gamma("hinf", "roll_yaw")
+    plant, gamma = study.plants["roll_yaw"], study.designs.gamma("hinf", "roll_yaw")
     K = study.gains["hinf", "roll_yaw"]
     assert hinf_norm(*plant.closed(K)[:4])[0] < gamma
     assert mixed.trace_of_gain(plant, K, gamma) < mixed.trace_of_gain(plant, mixed.limit_gain(plant), gamma)

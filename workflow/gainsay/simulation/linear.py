@@ -13,6 +13,9 @@ from scipy.optimize import brentq
 
 from gainsay.errors import InputError
 
+#: most evaluations at a turn; part of a step within which Newton's next one squares to rounding
+_ITERATIONS, _CLOSE = 60, 1e-7
+
 
 @dataclass(frozen=True)
 class Peak:
@@ -63,31 +66,57 @@ class Response:
         index = int(np.clip(time / self.end * (len(self.time) - 1), 0, len(self.time) - 1))
         return expm(self.A * (time - self.time[index])) @ self.states[index]
 
-    def peak(self, output: np.ndarray) -> Peak:
+    def peak(self, output: np.ndarray, above: float = 0.0) -> Peak:
         """Locate the largest modulus of a linear output c x over continuous time.
 
         Parameters
         ----------
         output : ndarray, shape (n,)
             c.
+        above : float, optional
+            A modulus that matters: where no sample's neighbourhood can exceed it, the largest sample is returned.
 
         Returns
         -------
         Peak
         """
-        values = self.states @ output
-        slopes = self.states @ (self.A.T @ output)
+        rows = np.array([output, output @ self.A, output @ self.A @ self.A])
+        values, slopes = (self.states @ row for row in rows[:2])
         best = int(np.argmax(np.abs(values)))
         found = Peak(float(self.time[best]), float(values[best]))
         turns = np.flatnonzero(slopes[:-1] * slopes[1:] < 0)
-        # Only a turn next to a sample of nearly the largest value can hold a larger one.
-        order = turns[np.argsort(-np.maximum(np.abs(values[turns]), np.abs(values[turns + 1])))][:8]
-        for i in order:
-            time = brentq(lambda t: float(output @ self.A @ self.at(t)), self.time[i], self.time[i + 1], xtol=1e-12)
-            value = float(output @ self.at(time))
+        # A step cannot raise the output by more than its length times the larger slope at its ends.
+        step = self.end / (len(self.time) - 1)
+        most = np.maximum(np.abs(values[turns]), np.abs(values[turns + 1]))
+        most += step * np.maximum(np.abs(slopes[turns]), np.abs(slopes[turns + 1]))
+        for i in turns[np.argsort(-most)][: int((most > max(abs(found.value), above)).sum())]:
+            after, value = self._turn(rows, int(i), step, slopes[i], slopes[i + 1])
             if abs(value) > abs(found.value):
-                found = Peak(float(time), value)
+                found = Peak(float(self.time[i] + after), value)
         return found
+
+    def _turn(self, rows: np.ndarray, index: int, step: float, first: float, last: float) -> tuple[float, float]:
+        """Time after a sample at which an output turns within the step, and its value there, by Newton's method.
+
+        `rows` times the state are the output, its slope and the slope's slope. Where a step of Newton's leaves the
+        bracket of the turn, the bracket is halved.
+        """
+        low, high = 0.0, step
+        after = step * first / (first - last)
+        for _ in range(_ITERATIONS):
+            value, slope, bend = rows @ (expm(self.A * after) @ self.states[index])
+            if slope * first > 0:
+                low = after
+            else:
+                high = after
+            further = after - slope / bend if bend else low
+            if not low <= further <= high:
+                further = 0.5 * (low + high)
+            moved, after = abs(further - after), further
+            if moved <= _CLOSE * step:
+                break
+        # So close to a turn the parabola through the last point gives its value.
+        return after, float(value - 0.5 * slope**2 / bend) if bend and abs(slope) < abs(bend) * step else float(value)
 
     def last_above(self, output: np.ndarray, level: float) -> float:
         """Time after which |c x| stays below a level up to the end; the end itself where it never settles."""
