@@ -31,7 +31,7 @@ def project(root, **changed):
         cells = lines[place].split(",")
         lines[place] = ",".join([*cells[:2], value, *cells[3:]])
     (folder / "parameters.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    designs = [f"{r}_{d}" for r in "ab" for d in ("hinf", "mixed", "h2", "limit_pitch", "limit_roll_yaw")]
+    designs = [file.stem for file in sorted((FOLDER / "designs").glob("*.json"))]
     head = 'title = "t"\nauthors = ["a"]\njournal = "j"\nyear = 2013\ndoi = "10.1155/test"\n'
     tables = {"designs": designs, "runs": [run.name for run in RUNS], "figures": []}
     sections = (f"[{section}]\n" + "".join(f'{name} = "x"\n' for name in names) for section, names in tables.items())
