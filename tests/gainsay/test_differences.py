@@ -230,6 +230,19 @@ def test_what_a_scan_found_is_on_record(clean, change):
     assert len(scan_differences(clean.case())) >= 1
 
 
+def test_a_scan_keeps_its_floor_on_record(clean):
+    case = run(clean)
+    put_scan(case, smallest=3e-15)
+    list(record_paper(case))
+    clean.edit("recorded_scans.csv", "length,smallest,3e-15,m,rounding,1e-9,0", "length,smallest,0,m,floor,0,1e-12")
+    put_scan(case, smallest=-7e-14)
+    list(record_paper(clean.case()))
+    assert "length,smallest,0,m,floor,0,1e-12" in clean.file("recorded_scans.csv").read_text()
+    assert scan_differences(clean.case()) == []
+    put_scan(case, smallest=2e-12)
+    assert [row[2] for row in scan_differences(clean.case())] == ["length smallest"]
+
+
 @pytest.mark.parametrize(("value", "above"), [(0.00123, "0.0013"), (2e-6, "0.000002"), (123456.0, "1.3e5")])
 def test_a_width_is_rounded_up_so_that_it_covers_the_enclosure(value, above):
     assert decimal_above(value) == above  # by hand

@@ -65,16 +65,21 @@ def _toleranced(before: Toleranced | None, new: tuple[str, str, str, str], width
     return before.class_, before.relative, absolute, before.reason
 
 
+def _below_floor(before: Toleranced | None, value: str) -> str:
+    """Return the value to put on record: what stands there where both lie below the floor, else the one found."""
+    if before is not None and before.class_ == "floor" and abs(float(value)) <= float(before.absolute):
+        return before.value
+    return value
+
+
 def _quantity_rows(case: Case, found: Mapping[str, Mapping[str, str]]) -> Iterator[tuple[tuple[str, ...], str]]:
     for quantity, declared in case.quantities.items():
         before, row = case.recorded.get(quantity), found[quantity]
-        value, new = row["value"], proposed(row, declared.meaning)
+        value, new = _below_floor(before, row["value"]), proposed(row, declared.meaning)
         width = ""
         if row["lower"] and row["upper"] and row["lower"] != row["upper"]:
             width = decimal_above(float(row["upper"]) - float(row["lower"]))
         tolerances = _toleranced(before, new, width)
-        if before is not None and before.class_ == "floor" and abs(float(value)) <= float(before.absolute):
-            value = before.value
         line = ""
         if before is None:
             line = f"{quantity}: new, {value} {declared.unit}, {tolerances[0]}"
@@ -92,6 +97,7 @@ def _scan_rows(case: Case) -> Iterator[tuple[tuple[str, ...], str]]:
         unit = case.quantities[scan["quantity"]].unit
         for item, (value, number) in scan_items(scan).items():
             before = case.recorded_scans.get((claim, item))
+            value = _below_floor(before, value)
             tolerances = _toleranced(before, rounding if number else exact, "")
             line = "" if before is not None and before.value == value else f"{claim} {item}: {value}"
             yield (claim, item, value, unit if item in ("smallest", "largest") else "1", *tolerances), line
