@@ -2,6 +2,7 @@
 
 from gainsay.lmi.affine import Affine, Variable, affine, diagonal, matrix, positive, scalar, sym, symmetric, trace
 from gainsay.lmi.blocks import BlockMatrix, Definite, Entrywise, Equal, block_diagonal, equal, within
+from gainsay.lmi.interior import interior_multipliers
 from gainsay.lmi.outcomes import Farkas, Infeasible, Infimum, Solved, Unbounded, Undecided
 from gainsay.lmi.program import Check, Program, Scale
 from gainsay.lmi.solving import infimum, solve
@@ -30,6 +31,7 @@ __all__ = [
     "diagonal",
     "equal",
     "infimum",
+    "interior_multipliers",
     "matrix",
     "positive",
     "ranges",

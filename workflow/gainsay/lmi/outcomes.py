@@ -1,12 +1,24 @@
 """What may come out of a program: each outcome says what was proved, and none rests on a solver's status."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Never, Self
 
 import numpy as np
 
 from gainsay.errors import ComputationError
 from gainsay.lmi.program import Check
+
+
+class _NotFound:
+    """An outcome that is no point and no infimum."""
+
+    attempts: tuple[dict, ...]
+
+    def need(self, where: str) -> Never:
+        """Raise `ComputationError` with the attempts: something was to be found here; `where` is the equation."""
+        raise ComputationError(
+            where, f"{type(self).__name__.lower()} after {len(self.attempts)} attempts", self.attempts
+        )
 
 
 @dataclass(frozen=True)
@@ -61,6 +73,10 @@ class Solved:
     def __getitem__(self, name: str) -> Any:
         return self.values[name]
 
+    def need(self, where: str) -> Self:
+        """Return the point; other outcomes raise `ComputationError`, naming the equation `where`."""
+        return self
+
     @property
     def margins(self) -> dict[str, float]:
         """Margin of each constraint."""
@@ -68,7 +84,7 @@ class Solved:
 
 
 @dataclass(frozen=True)
-class Infeasible:
+class Infeasible(_NotFound):
     """No point, proved: by multipliers that exist exactly, or by what `reason` in `farkas` says."""
 
     farkas: Farkas
@@ -76,7 +92,7 @@ class Infeasible:
 
 
 @dataclass(frozen=True)
-class Unbounded:
+class Unbounded(_NotFound):
     """The objective falls without end: along `ray` from the point `solved`, both proved.
 
     Attributes
@@ -94,7 +110,7 @@ class Unbounded:
 
 
 @dataclass(frozen=True)
-class Undecided:
+class Undecided(_NotFound):
     """Neither a point nor a refutation could be proved: says nothing about the program."""
 
     label: str
@@ -134,6 +150,15 @@ class Infimum:
     solved: Solved
     multipliers: dict[str, np.ndarray]
     attempts: tuple[dict, ...]
+
+    def need(self, where: str) -> Self:
+        """Return the infimum; other outcomes raise `ComputationError`, naming the equation `where`."""
+        return self
+
+    @property
+    def bound(self) -> float:
+        """The value where it is enclosed, else the proved upper end."""
+        return self.value if np.isfinite(self.value) else self.upper
 
     @property
     def width(self) -> float:

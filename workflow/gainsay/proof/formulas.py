@@ -43,7 +43,7 @@ from gainsay.exact.budget import spend
 from gainsay.exact.matrix import Matrix, RingError, block, diagonal, eye, kron, zeros
 from gainsay.exact.rational import exact
 
-__all__ = ["Source", "check_name", "constraint", "evaluate", "names_in", "parameter_of"]
+__all__ = ["Source", "check_name", "constraint", "evaluate", "names_in", "one_line", "parameter_of", "parse"]
 
 # What an expression of the language is made of: no comments, escapes or characters that do not show.
 _ALLOWED = re.compile(r"[A-Za-z0-9_ \n+\-*/@.,:()\[\]'<>=]*", re.ASCII)
@@ -88,7 +88,7 @@ def evaluate(text: str, names: Mapping[str, Matrix], source: Source) -> Matrix:
     CertificateError
         If the text is no formula, names something unknown, or its shapes do not fit; the message quotes it.
     """
-    return _Evaluator(text, names, source).run(_parse(text))
+    return _Evaluator(text, names, source).run(parse(text))
 
 
 def constraint(text: str, names: Mapping[str, Matrix], source: Source) -> tuple[Matrix, str]:
@@ -96,7 +96,7 @@ def constraint(text: str, names: Mapping[str, Matrix], source: Source) -> tuple[
 
     A side that is the number 0 fits any shape. Raises like `evaluate`.
     """
-    node = _parse(text)
+    node = parse(text)
     if not isinstance(node, ast.Compare) or len(node.ops) != 1 or type(node.ops[0]) not in _RELATIONS:
         raise CertificateError(f"constraint {_quote(text)}: expected one of < <= == >= > between two formulas")
     evaluator = _Evaluator(text, names, source)
@@ -119,13 +119,13 @@ def constraint(text: str, names: Mapping[str, Matrix], source: Source) -> tuple[
 
 def names_in(text: str) -> set[str]:
     """Names that a formula or a constraint uses, those of functions and constants left out."""
-    return {node.id for node in ast.walk(_parse(text)) if isinstance(node, ast.Name)} - {*_FUNCTIONS, *_CONSTANTS}
+    return {node.id for node in ast.walk(parse(text)) if isinstance(node, ast.Name)} - {*_FUNCTIONS, *_CONSTANTS}
 
 
 def parameter_of(text: str, definitions: Mapping[str, str]) -> str | None:
     """Name of the parameter that a formula is, directly or through definitions; None where it is anything else."""
     for _ in range(len(definitions) + 1):
-        node = _parse(text)
+        node = parse(text)
         if isinstance(node, ast.Name) and node.id in definitions:
             text = definitions[node.id]
             continue
@@ -156,19 +156,26 @@ def check_name(name: object) -> str:
     return name
 
 
-def _parse(text: str) -> ast.expr:
+def parse(text: str) -> ast.expr:
+    """Syntax tree of a formula or a constraint; its columns count in `one_line` of the text.
+
+    Raises
+    ------
+    CertificateError
+        If the text is too long, holds a character that is not part of the language, or is no expression.
+    """
     if not isinstance(text, str) or len(text) > _LONGEST:
         raise CertificateError(f"a formula must be a text of at most {_LONGEST} characters")
     if not _ALLOWED.fullmatch(text):
         raise CertificateError(f"formula {_quote(text)}: a character that is not part of the formula language")
     try:
         spend(50 * len(text), "a formula")
-        return ast.parse(_one_line(text), mode="eval").body
+        return ast.parse(one_line(text), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise CertificateError(f"formula {_quote(text)}: not an expression") from error
 
 
-def _one_line(text: str) -> str:
+def one_line(text: str) -> str:
     """Text of a formula that is broken over lines, as one line."""
     return text.replace("\n", " ").strip(" ")
 
@@ -188,7 +195,7 @@ def _root(x: arb | fmpq) -> arb | fmpq:
 class _Evaluator:
     def __init__(self, text: str, names: Mapping[str, Matrix], source: Source) -> None:
         self.text, self.names, self.source = text, names, source
-        self.written = _one_line(text)
+        self.written = one_line(text)
 
     def fail(self, what: object) -> CertificateError:
         return CertificateError(f"formula {_quote(self.text)}: {what}".replace("\n", " "))

@@ -6,6 +6,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,24 @@ def task(where: str) -> Callable[[TaskFunction], TaskFunction]:
 def _listed(value: object) -> object:
     """Write what JSON does not know: arrays as lists, anything else by its text; a note must never stop a step."""
     return value.tolist() if hasattr(value, "tolist") else str(value)
+
+
+def _ends(relation: str, value: str | None) -> tuple[float, float]:
+    """Lower and upper end that a conclusion of a certificate gives, as doubles on the safe side."""
+    if value is None:
+        return {"holds": (1.0, 1.0), "fails": (0.0, 0.0)}[relation]
+    low, _, high = value.partition("..")
+    below, above = Fraction(low), Fraction(high or low)
+    lower, upper = float(below), float(above)
+    lower = lower if Fraction(lower) <= below else math.nextafter(lower, -math.inf)
+    upper = upper if Fraction(upper) >= above else math.nextafter(upper, math.inf)
+    return {
+        "at_most": (-math.inf, upper),
+        "less_than": (-math.inf, upper),
+        "at_least": (lower, math.inf),
+        "greater_than": (lower, math.inf),
+        "inside": (lower, upper),
+    }[relation]
 
 
 class Results:
@@ -148,19 +167,24 @@ class Results:
         ComputationError
             If the id is not declared for this step, was given already, or a number is not finite.
         """
-        declared = self.case.quantities.get(quantity)
-        if declared is None or declared.step != self.step:
-            raise ComputationError(quantity, f"not declared for the step {self.step} in quantities.csv")
-        if quantity in self._seen:
-            raise ComputationError(quantity, "computed twice")
         numbers = [float(x) for x in (value, lower, upper) if x is not None]
         if not all(math.isfinite(x) for x in numbers):
             raise ComputationError(quantity, f"not finite: {numbers}")
         if (lower is not None and lower > value) or (upper is not None and upper < value):
             raise ComputationError(quantity, f"{value} outside its own enclosure {lower}..{upper}")
-        self._seen.add(quantity)
+        unit = self._declared(quantity)
         ends = [None if x is None else float(x) for x in (lower, upper)]
-        self._rows["quantities"].append((quantity, float(value), declared.unit, *ends, method, source))
+        self._rows["quantities"].append((quantity, float(value), unit, *ends, method, source))
+
+    def _declared(self, quantity: str) -> str:
+        """Unit of a quantity that this step is to compute, once."""
+        declared = self.case.quantities.get(quantity)
+        if declared is None or declared.step != self.step:
+            raise ComputationError(quantity, f"not declared for the step {self.step} in quantities.csv")
+        if quantity in self._seen:
+            raise ComputationError(quantity, "computed twice")
+        self._seen.add(quantity)
+        return declared.unit
 
     def measured(self, measures: Mapping[str, Any], source: str) -> None:
         """Add quantities measured from a log: id -> value, method, lower and upper."""
@@ -183,6 +207,58 @@ class Results:
             except GainsayError as error:
                 raise ComputationError(certificate.id, f"certificate refused: {error}") from error
         write_atomically(self._file(f"certificates/{certificate.id}.json"), certificate.to_json())
+
+    def prove(self, certificate: Any, *, source: str = "", values: Mapping[str, float] | None = None) -> None:
+        """Write a certificate and every quantity that it concludes on: value, ends and method follow from the proof.
+
+        Parameters
+        ----------
+        certificate : gainsay.proof.Certificate
+            With a conclusion on at least one quantity. ``holds`` gives 1, ``fails`` gives 0, ``at_most`` an upper end,
+            ``at_least`` a lower end, ``inside`` both.
+        source : str, optional
+            Equation or sentence behind the quantities.
+        values : mapping of str to float, optional
+            Computed value of a quantity of which the certificate proves ends; without one the end is the value.
+
+        Raises
+        ------
+        ComputationError
+            If the checker refuses the certificate, it concludes on no quantity, or a value lies outside the ends.
+        """
+        self.certificate(certificate)
+        ends: dict[str, list[tuple[str, float, float]]] = {}
+        for conclusion in certificate.conclusions:
+            if conclusion.quantity:
+                ends.setdefault(conclusion.quantity, []).append(_ends(conclusion.relation, conclusion.value))
+        if not ends:
+            raise ComputationError(certificate.id, "concludes on no quantity")
+        for quantity, found in ends.items():
+            lower, upper = max(low for low, _ in found), min(high for _, high in found)
+            proved = [end for end in (upper, lower) if math.isfinite(end)]
+            self.quantity(
+                quantity,
+                (values or {}).get(quantity, proved[0] if proved else math.nan),
+                method=f"certificate {certificate.id}, kind {certificate.kind}",
+                source=source,
+                lower=lower if math.isfinite(lower) and lower != upper else None,
+                upper=upper if math.isfinite(upper) and lower != upper else None,
+            )
+
+    def undecided(self, quantity: str, reason: str, *, source: str = "") -> None:
+        """Add a quantity of which neither side could be proved: a limit of our method, with how far it got.
+
+        Parameters
+        ----------
+        quantity : str
+            An id declared in the paper's quantities.csv.
+        reason : str
+            What was tried, one line.
+        source : str, optional
+            Equation or sentence behind it.
+        """
+        unit = self._declared(quantity)
+        self._rows["quantities"].append((quantity, math.nan, unit, None, None, f"undecided: {reason}", source))
 
     def gains(
         self,

@@ -1,0 +1,23 @@
+"""One statement of each theorem: a text from which come the solver's program, the certificate and the page."""
+
+from gainsay.statements.program import Stated
+from gainsay.statements.proving import enclose, prove
+from gainsay.statements.statement import Cell, Constraint, Statement, over, read_constraint
+from gainsay.statements.unknowns import Unknown, diagonal, matrix, positive, scalar, symmetric
+
+__all__ = [
+    "Cell",
+    "Constraint",
+    "Stated",
+    "Statement",
+    "Unknown",
+    "diagonal",
+    "enclose",
+    "matrix",
+    "over",
+    "positive",
+    "prove",
+    "read_constraint",
+    "scalar",
+    "symmetric",
+]

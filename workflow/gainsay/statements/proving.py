@@ -1,0 +1,203 @@
+"""The outcome of the solver chooses the proof: one call gives certificate, quantity, ends and method."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from gainsay.errors import CertificateError, ComputationError
+from gainsay.lmi import Infeasible, Infimum, Solved, interior_multipliers
+from gainsay.proof import Certificate, build
+from gainsay.statements.program import Stated
+from gainsay.tables.results import Results
+
+__all__ = ["above", "below", "enclose", "prove"]
+
+
+def prove(
+    results: Results,
+    quantity: str,
+    stated: Stated,
+    found: Any,
+    *,
+    sentence: str,
+    source: str = "",
+    id: str | None = None,
+    faith: Sequence[str] = (),
+) -> Certificate | None:
+    """Prove that a program has a point, or that it has none, by what the solver found.
+
+    Parameters
+    ----------
+    results : Results
+        Takes the certificate and the quantity: 1 where it has a point, 0 where it has none.
+    quantity : str
+    stated : Stated
+        The program.
+    found : Solved, Infeasible or any other outcome of `gainsay.lmi.solve`
+        For the program, or for one with further wishes where it is a point.
+    sentence : str
+        What the program asks, for people, as the end of "There is" or "There is no": ``"X > 0 that satisfies (14)"``.
+    source : str, optional
+        Equation behind it.
+    id : str, optional
+        Id of the certificate; that of the quantity with dashes unless given.
+    faith : sequence of str, optional
+        What the step from the paper to this program takes on faith.
+
+    Returns
+    -------
+    Certificate or None
+        None where neither side could be proved: the quantity is then undecided.
+    """
+    parts = {
+        **stated.parts(),
+        "id": id or _slug(quantity),
+        "paper": results.case.name,
+        "quantities": {"feasible": quantity},
+        "faith": faith,
+    }
+    parts["fields"] = {key: value for key, value in parts["fields"].items() if key != "minimise"}
+    try:
+        if isinstance(found, Solved):
+            made = build.feasible_point(statement=f"There is {sentence}.", point=_point(stated, found.values), **parts)
+        elif isinstance(found, Infeasible):
+            made = _refuted(stated, found.farkas.multipliers, statement=f"There is no {sentence}.", **parts)
+        else:
+            raise CertificateError(f"{type(found).__name__} after {len(found.attempts)} attempts")
+    except CertificateError as error:
+        results.undecided(quantity, str(error), source=source)
+        results.say(stated.label, f"undecided: {error}")
+        return None
+    results.prove(made, source=source)
+    return made
+
+
+def _refuted(stated: Stated, multipliers: Mapping[str, Any], **parts: Any) -> Certificate:
+    """Certificate of multipliers as found, or of others further inside where those do not survive rounding."""
+    try:
+        return build.farkas(multipliers=_multipliers(stated, multipliers), **parts)
+    except CertificateError:
+        inside = interior_multipliers(stated.program(), multipliers)
+        if inside is None:
+            raise
+        return build.farkas(multipliers=_multipliers(stated, inside), **parts)
+
+
+def above(
+    case: Any, quantity: str, stated: Stated, values: Mapping[str, Any], *, sentence: str, id: str, **more: Any
+) -> Certificate:
+    """Certificate that a point bounds the infimum of the program from above.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    quantity : str
+    stated : Stated
+        With an objective.
+    values : mapping of str to array_like
+        The point.
+    sentence : str
+        What is minimised, for people: ``"rho over (14), (30), (31)"``.
+    id : str
+    **more
+        As for `gainsay.proof.build.certificate`: faith, precision.
+    """
+    return build.feasible_point(
+        id=id,
+        paper=case.name,
+        statement=f"A point bounds the infimum of {sentence} from above.",
+        point=_point(stated, values),
+        quantities={"objective": quantity},
+        **stated.parts(),
+        **more,
+    )
+
+
+def below(
+    case: Any, quantity: str, stated: Stated, multipliers: Mapping[str, Any], *, sentence: str, id: str, **more: Any
+) -> Certificate:
+    """Certificate that multipliers bound the infimum of the program from below; parameters as for `above`."""
+    return build.dual_bound(
+        id=id,
+        paper=case.name,
+        statement=f"Multipliers bound the infimum of {sentence} from below.",
+        multipliers=_multipliers(stated, multipliers),
+        quantities={"objective": quantity},
+        **stated.parts(),
+        **more,
+    )
+
+
+def enclose(
+    results: Results,
+    quantity: str,
+    stated: Stated,
+    found: Any,
+    *,
+    sentence: str,
+    source: str = "",
+    id: str | None = None,
+    faith: Sequence[str] = (),
+) -> tuple[float, float]:
+    """Enclose the infimum of a program by a point and by multipliers, each with its certificate.
+
+    Parameters
+    ----------
+    results : Results
+        Takes certificates ``<id>-above`` and ``<id>-below`` and the quantity with both ends.
+    quantity, stated, source, id, faith
+        As for `prove`.
+    found : Infimum
+    sentence : str
+        As for `above`.
+
+    Returns
+    -------
+    (lower, upper) : tuple of float
+        The proved ends; ``-inf`` where no multipliers could be certified.
+
+    Raises
+    ------
+    ComputationError
+        If there is no point: use `prove` where the program may have none.
+    """
+    if not isinstance(found, Infimum):
+        raise ComputationError(stated.label, f"{type(found).__name__} where an infimum is needed", found.attempts)
+    name = id or _slug(quantity)
+    top = above(results.case, quantity, stated, found.solved.values, sentence=sentence, id=f"{name}-above", faith=faith)
+    made, reason = [top], ""
+    try:
+        made.append(
+            below(results.case, quantity, stated, found.multipliers, sentence=sentence, id=f"{name}-below", faith=faith)
+        )
+    except CertificateError as error:
+        reason = f"; no lower end: {error}"
+    for certificate in made:
+        results.certificate(certificate)
+    upper = float(made[0].conclusions[-1].value or "nan")
+    lower = float(made[1].conclusions[-1].value or "nan") if len(made) == 2 else -np.inf
+    value = min(max(found.value if np.isfinite(found.value) else found.upper, lower), upper)
+    results.quantity(
+        quantity,
+        value,
+        method=f"semidefinite program, enclosed by certificates {', '.join(c.id for c in made)}{reason}",
+        source=source,
+        lower=lower if np.isfinite(lower) else None,
+        upper=upper,
+    )
+    return lower, upper
+
+
+def _slug(quantity: str) -> str:
+    return quantity.replace(".", "-").replace("_", "-")
+
+
+def _point(stated: Stated, values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: values[name] for name in stated.unknowns}
+
+
+def _multipliers(stated: Stated, multipliers: Mapping[str, Any]) -> dict[str, Any]:
+    """Multipliers of the constraints that the certificate states; those of printed digits are found by the checker."""
+    labels = {constraint.label for constraint in stated.constraints}
+    return {label: value for label, value in multipliers.items() if label in labels}
