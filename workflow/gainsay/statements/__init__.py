@@ -1,5 +1,6 @@
 """One statement of each theorem: a text from which come the solver's program, the certificate and the page."""
 
+from gainsay.statements.derivations import Step, implication
 from gainsay.statements.program import Stated
 from gainsay.statements.proving import enclose, prove
 from gainsay.statements.statement import Cell, Constraint, Statement, over, read_constraint
@@ -10,9 +11,11 @@ __all__ = [
     "Constraint",
     "Stated",
     "Statement",
+    "Step",
     "Unknown",
     "diagonal",
     "enclose",
+    "implication",
     "matrix",
     "over",
     "positive",
