@@ -26,8 +26,11 @@ def _papers(root: Path, names: Sequence[str]) -> list[str]:
 
 def lint(options: argparse.Namespace) -> int:
     """Read and validate every table of every paper."""
+    from gainsay.tables.mathematics import check_sentences
+
     for paper in _papers(options.root, options.papers):
         case = read_case(options.root, paper)
+        check_sentences(case)
         print(f"{paper}  tables     {len(case.parameters)} parameters, {len(case.claims)} claims, "
               f"{len(case.errata)} errata, {len(case.not_checked)} not checked: well-formed")  # fmt: skip
     return CLEAN
