@@ -1,15 +1,14 @@
 """Audit of zhang2013: the printed K and L on the design model and on the flexible plant."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from flint import fmpq
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Program, block_diagonal, sym, symmetric
 from gainsay.proof.build import certificate
+from gainsay.statements import prove
 from gainsay.systems.delay import DelayMargin, DelaySystem
 from gainsay.systems.delay_bounds import bessel_legendre
 from gainsay.systems.delay_spectrum import hinf_norm, rightmost_roots, spectral_abscissa
@@ -17,23 +16,21 @@ from gainsay.tables import Case
 from gainsay.tables.models import Claim
 from gainsay.tables.results import Results, task
 from gainsay.verdicts.scan import plausible, scan
-from papers.zhang2013 import certificates as prove
-from papers.zhang2013 import derivations, flight
+from papers.zhang2013 import derivations, flight, proofs
 from papers.zhang2013.bounds import (
-    Structured,
+    channel_blocks,
     delay_below,
     enclosed_norm,
-    flexible_point,
     largest_delay,
     least_gamma,
     lifted,
     point_at,
     turning_delay,
 )
-from papers.zhang2013.design import farkas_multipliers
-from papers.zhang2013.formulas import PLANT
 from papers.zhang2013.plant import MODES, Spacecraft
-from papers.zhang2013.theorem1 import Delayed, Functional, channel_blocks, theorem1
+from papers.zhang2013.proofs import PRINTED_GAINS
+from papers.zhang2013.statements import PLANT, PRINTED_LOOP, reduced_theorem_1, structured_theorem_1, theorem_1
+from papers.zhang2013.synthesis import certify_on_flexible
 
 DELAY_WIDTH, FLEXIBLE_WIDTH = 1e-6, 1e-4
 """Relative widths to which the delay at which a condition turns is bisected, design model and flexible plant."""
@@ -60,7 +57,7 @@ def checked_margin(loop: DelaySystem, where: str) -> DelayMargin:
 def poles(case: Case, results: Results) -> None:
     """Poles without delay."""
     craft, _, L = printed(case)
-    stable = prove.abscissa(
+    stable = proofs.abscissa(
         case,
         "audit-abscissa",
         "A + B @ printed('K')",
@@ -69,7 +66,7 @@ def poles(case: Case, results: Results) -> None:
         "Spectral abscissa of A + BK with the printed K.",
     )
     results.certificate(stable)
-    found = prove.enclosure(stable)
+    found = proofs.enclosure(stable)
     results.quantity("audit.abscissa", **found, method="eigenvalues in balls", source="(3)")
     value = found["value"]
     bandwidth = (np.array(L, dtype=object) @ craft.B)[0, 0]
@@ -126,7 +123,7 @@ def norm(case: Case, results: Results) -> None:
     """Exact H-infinity norm without delay and at d_M."""
     craft, K, L = printed(case)
     loop = craft.design_loop(K, L)
-    results.certificate(prove.norm_without_delay(case, hinf_norm(loop, 0.0).value * (1 + 1e-3)))
+    results.certificate(proofs.norm_without_delay(case, hinf_norm(loop, 0.0).value * (1 + 1e-3)))
     for name, delay in (("delay_0", fmpq(0)), ("delay_30ms", fmpq(3, 100))):
         found = enclosed_norm(loop, delay)
         results.quantity(f"audit.hinf.{name}", **found, source="(7), (8)")
@@ -137,19 +134,24 @@ def norm(case: Case, results: Results) -> None:
 def analysis(case: Case, results: Results) -> None:
     """Theorem 1 for the printed gains: at gamma = 1.5, its least gamma, its largest delay."""
     craft, K, L = printed(case)
-    gamma, d_M, mu = (case.number(name) for name in ("gamma", "d_M", "mu"))
-    loop = Delayed.of(craft, K, L, d_M, mu)
-    point = lifted(loop, point_at(loop, gamma**2))
-    results.certificate(
-        prove.theorem1(case, "theorem1-printed-gains", "printed('K')", "printed('L')", point, "theorem1.feasible")
+    gamma, d_M = case.number("gamma"), case.number("d_M")
+    stated = theorem_1(case, PRINTED_LOOP)
+    prove(
+        results,
+        "theorem1.feasible",
+        stated,
+        stated.point(lifted(point_at(reduced_theorem_1(case, PRINTED_LOOP)), d_M)),
+        id="theorem1-printed-gains",
+        sentence="solution of (9a) and (9b) for the printed K and L on the design model",
+        source="(9)",
+        faith=(proofs.THEOREM_1_ON_FAITH,),
     )
-    results.quantity("theorem1.feasible", 1, method="exact feasible point", source="(9)")
-    least = least_gamma(loop)
-    with_slack = least_gamma(loop, Functional(3), theorem1)
+    least = least_gamma(reduced_theorem_1(case, PRINTED_LOOP, g="gamma2"))
+    with_slack = least_gamma(theorem_1(case, PRINTED_LOOP, g="gamma2"))
     # Theorem 1 bounds the norm for every constant delay up to d_M: its gamma cannot be below the norm at d_M
     floor = hinf_norm(craft.design_loop(K, L), d_M).value
-    value = float(np.sqrt(least.value))
-    worst = least_gamma(replace(loop, mu=1.0))
+    value = float(np.sqrt(least.bound))
+    worst = least_gamma(reduced_theorem_1(case, PRINTED_LOOP, g="gamma2", mu="1"))
     results.quantity(
         "theorem1.gamma_min",
         value,
@@ -168,14 +170,15 @@ def analysis(case: Case, results: Results) -> None:
     )
     results.quantity(
         "theorem1.gamma_min_mu_one",
-        float(np.sqrt(worst.value)),
+        float(np.sqrt(worst.bound)),
         lower=floor,
         upper=float(np.sqrt(worst.upper)),
         method="as theorem1.gamma_min",
         source="(9)",
     )
     limit = craft.design_loop(K, L).quasi_polynomial.margin().delay
-    delay, infeasible = largest_delay(loop, gamma, limit)
+    reduced = partial(reduced_theorem_1, loop=PRINTED_LOOP)
+    delay, infeasible = largest_delay(case, reduced, gamma, limit)
     results.quantity(
         "theorem1.delay_max",
         delay,
@@ -184,8 +187,8 @@ def analysis(case: Case, results: Results) -> None:
         source="(9)",
         method="root of the least gamma; lower: checked point, upper: an enclosure of the least gamma lies above gamma",
     )
-    v = Structured(case.number("lambda1_corrected"), case.number("lambda2"))
-    delay, infeasible = largest_delay(loop, gamma, limit, v, theorem1)
+    structured = partial(structured_theorem_1, loop=PRINTED_LOOP)
+    delay, infeasible = largest_delay(case, structured, gamma, limit)
     results.quantity(
         "structured.delay_max",
         delay,
@@ -222,29 +225,25 @@ def flexible(case: Case, results: Results) -> None:
             method="spectral discretisation and Newton",
         )
     for mode, quantity in (("paper", "flexible.theorem1_feasible"), ("all", "flexible.theorem1_feasible_all")):
-        values, gamma_squared = flexible_point(craft, K, L, mode, d_M, case.number("mu"))
-        named = "printed('K')", "printed('L')"
-        results.certificate(
-            prove.theorem1(
-                case, f"flexible-theorem1-{mode}", *named, values, quantity, mode=mode, gamma_squared=gamma_squared
-            )
-        )
-        results.quantity(quantity, 1, method="exact feasible point of (9)", source="(1), (4), (6), (9)")
+        certify_on_flexible(results, PRINTED_GAINS, mode, quantity, f"flexible-theorem1-{mode}")
 
 
 @task("(25), flexible plant")
 def structure(case: Case, results: Results) -> None:
     """The block-diagonal structure of (25) cannot prove the flexible loop stable, not even without delay."""
-    craft, K, L = printed(case)
-    loop = craft.flexible_loop(K, L, "paper")
-    P11, P12 = symmetric("P11", 6), symmetric("P12", 1)
-    decrease = (sym(block_diagonal(P11, P12) @ (loop.A + loop.A1)) < 0).named("decrease")
-    program = Program(subject_to=[decrease, (P11 > 0).named("P11"), (P12 > 0).named("P12")], label="(25) flexible")
-    multipliers = farkas_multipliers(program)
-    quantity = "flexible.block_diagonal_lyapunov"
-    results.certificate(prove.no_block_diagonal_lyapunov(case, "printed('K')", "printed('L')", multipliers, quantity))
-    results.quantity(quantity, 0, method="exact Farkas multipliers", source="(1), (4), (6), (25)")
-    results.say("(25), flexible plant", "no block-diagonal Lyapunov matrix without delay, Farkas certificate checked")
+    stated = proofs.block_diagonal_lyapunov(case)
+    found = stated.solve()
+    results.attempt("(25)", list(found.attempts))
+    prove(
+        results,
+        "flexible.block_diagonal_lyapunov",
+        stated,
+        found,
+        id="flexible-block-diagonal",
+        sentence="block-diagonal Lyapunov matrix diag(P11, P12) for the flexible loop without delay",
+        source="(1), (4), (6), (25)",
+    )
+    results.say("(25), flexible plant", f"block-diagonal Lyapunov matrix: {type(found).__name__.lower()}")
 
 
 @task("LMI delay bounds, flexible plant")
@@ -295,21 +294,21 @@ def orbit(case: Case, results: Results) -> None:
 def disturbance(case: Case, results: Results) -> None:
     """What the persistent w1 of the example does to the assumptions of the paper and to e(t) -> 0."""
     size = "number('w1_amplitude') ** 2 * (number('w1_cosine') ** 2 + number('w1_sine') ** 2)"
-    persists = prove.w1_rms(case, size, "audit.w1_rms")
+    persists = proofs.w1_rms(case, size, "audit.w1_rms")
     results.certificate(persists)
     results.quantity(
-        "audit.w1_rms", **prove.enclosure(persists), method="closed form in balls", source="Numerical example"
+        "audit.w1_rms", **proofs.enclosure(persists), method="closed form in balls", source="Numerical example"
     )
-    results.certificate(prove.larger_than_max(case))
+    results.certificate(proofs.larger_than_max(case))
     for quantity, name in (
         ("audit.residual_error", "w1_frequency"),
         ("audit.residual_error_orbit_rate", "orbit_rate"),
     ):
-        kept = prove.residual_error(case, name, size, quantity)
+        kept = proofs.residual_error(case, name, size, quantity)
         results.certificate(kept)
         results.quantity(
             quantity,
-            **prove.enclosure(kept),
+            **proofs.enclosure(kept),
             method="frequency response without delay, in balls",
             source="(1), (4), (6)",
         )

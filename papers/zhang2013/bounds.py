@@ -2,93 +2,70 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from flint import fmpq
 from scipy.optimize import brentq
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import (
-    Affine,
-    Definite,
-    Infimum,
-    Program,
-    Solved,
-    Variable,
-    block_diagonal,
-    infimum,
-    matrix,
-    scalar,
-    solve,
-    symmetric,
-)
+from gainsay.lmi import Affine, BlockMatrix, Definite, Infimum, Program, Solved, solve, sym, symmetric
+from gainsay.statements import Stated
 from gainsay.systems.delay import DelaySystem
 from gainsay.systems.delay_bounds import DelayCondition, level, proved_delay
-from gainsay.systems.delay_spectrum import gain_stays_below, hinf_norm
+from gainsay.systems.delay_spectrum import gain_stays_below, hinf_norm, spectral_abscissa
+from gainsay.tables import Case
 from papers.zhang2013.plant import Spacecraft
-from papers.zhang2013.theorem1 import PARTS, Delayed, Functional, theorem1, without_slack
+from papers.zhang2013.statements import PARTS, flexible_loop, least_gamma_program, reduced_theorem_1
 
-Form = Callable[..., object]
-
-
-@dataclass(frozen=True)
-class Structured:
-    """The unknowns of Theorem 1 under (25): block diagonal, with P3 = diag(lambda1 P21, lambda2 P22)."""
-
-    lambda1: float
-    lambda2: float
-    parts: dict[str, tuple[Variable, Variable]] = field(init=False)
-
-    def __post_init__(self) -> None:
-        names = {"P1": ("P11", "P12"), "Q1": ("Q11", "Q12"), "Q2": ("Q21", "Q22"), "R": ("R1", "R2")}
-        pairs = {name: (symmetric(x, 2), symmetric(e, 1)) for name, (x, e) in names.items()}
-        object.__setattr__(self, "parts", pairs)
-        P21, P22 = matrix("P21", 2, 2), matrix("P22", 1, 1)
-        for name, pair in pairs.items():
-            object.__setattr__(self, name, block_diagonal(*pair))
-        object.__setattr__(self, "P2", block_diagonal(P21, P22))
-        object.__setattr__(self, "P3", block_diagonal(self.lambda1 * P21, self.lambda2 * P22))
-
-    @property
-    def positive(self) -> tuple:
-        """Every diagonal block of P1, Q1, Q2, R positive definite."""
-        return tuple((v > 0).named(f"{v.name} > 0") for pair in self.parts.values() for v in pair)
+Loop = dict[str, str]
+#: program of (9) for definitions d_M and g as given
+Form = Callable[..., Stated]
 
 
-def gamma_program(loop: Delayed, v: object, form: Form = theorem1) -> Program:
-    """Least gamma^2 of (9a), (9b) for one loop; unknown "gamma2" beside those of `v`."""
-    gamma_squared = scalar("gamma2")
-    held = [form(loop, v, gamma_squared, part) < 0 for part in PARTS]
-    return Program(minimise=gamma_squared, subject_to=[*held, *v.positive], label="(9) least gamma")
-
-
-def least_gamma(loop: Delayed, v: object | None = None, form: Form = without_slack) -> Infimum:
-    """Enclose the least gamma^2 for which the inequalities hold.
-
-    Parameters
-    ----------
-    loop : Delayed
-    v : Functional or Structured, optional
-        Unknowns; the full ones where left out.
-    form : callable
-        `theorem1`, or `without_slack`, which has the same infimum and is better conditioned.
+def least_gamma(stated: Stated) -> Infimum:
+    """Enclose the least gamma^2 of a program of (9) in which g is the unknown gamma2.
 
     Raises
     ------
     ComputationError
         If the solver gave no checked enclosure.
     """
-    found = infimum(gamma_program(loop, v or Functional(len(loop.A)), form))
-    if not isinstance(found, Infimum):
-        raise ComputationError("(9)", f"least gamma at d_M = {loop.d_M:.9g} s: {type(found).__name__}", found.attempts)
-    # Where no multipliers are proved the checked point still stands: it is the value, and the bound from above.
-    return found if np.isfinite(found.value) else replace(found, value=found.upper)
+    return least_gamma_program(stated).infimum().need("(9) least gamma")
 
 
-def lifted(loop: Delayed, values: dict) -> dict:
-    """Unknowns of (9) from those of `without_slack`: P2 = P1 and P3 = d_M R."""
-    return {**values, "P2": values["P1"], "P3": loop.d_M * values["R"]}
+def lifted(values: dict[str, Any], d_M: float) -> dict[str, Any]:
+    """Unknowns of (9) from those without slack: P2 = P1 and P3 = d_M R."""
+    return {**values, "P2": values["P1"], "P3": d_M * values["R"]}
+
+
+def channel_blocks(A: np.ndarray, Bd: np.ndarray, Cd: np.ndarray, d_M: float, mu: float) -> tuple[Affine, ...]:
+    """Stability part of (9) for x' = A x + Bd v(t - d), v = Cd x, with Q1, Q2, R of the delayed signal v alone.
+
+    (9) without slack at Q = Cd' q Cd and R = Cd' r Cd, to which small positive definite terms can be added: a delay
+    proved by these blocks is proved by Theorem 1, of which they are a cheaper and at most more conservative form.
+
+    Returns
+    -------
+    tuple of Affine
+        Every matrix that is to be positive definite.
+    """
+    n, r = Bd.shape
+    P1, Q1, Q2, R = symmetric("P1", n), symmetric("Q1", r), symmetric("Q2", r), symmetric("R", r)
+    found = []
+    for part, (c, o) in PARTS.items():
+        F = BlockMatrix(f"(9{part}) of the delayed signal", "x", "v_d", "v_M", "R")
+        F["x", "x"] = sym(P1 @ A) + Cd.T @ (Q1 + Q2 - (c / d_M) * R) @ Cd
+        F["x", "v_d"] = P1 @ Bd + (c / d_M) * (Cd.T @ R)
+        F["v_d", "v_d"] = -(1 - mu) * Q2 - (4 / d_M) * R
+        F["v_d", "v_M"] = (o / d_M) * R
+        F["v_M", "v_M"] = -Q1 - (o / d_M) * R
+        F["x", "R"] = d_M * ((Cd @ A).T @ R)
+        F["v_d", "R"] = d_M * ((Cd @ Bd).T @ R)
+        F["R", "R"] = -d_M * R
+        found.append(-F.assembled)
+    return (*found, P1, Q1, Q2, R)
 
 
 _STEPS = (1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3)
@@ -120,9 +97,7 @@ def first_refuted(refuted: Callable[[float], bool], near: float, limit: float, l
     return limit
 
 
-def largest_delay(
-    loop: Delayed, gamma: float, limit: float, v: object | None = None, form: Form = without_slack
-) -> tuple[float, float]:
+def largest_delay(case: Case, form: Form, gamma: float, limit: float) -> tuple[float, float]:
     """Largest d_M at which the inequalities hold for gamma; they hold for every smaller one.
 
     With S = R/d_M fixed, d_M stands in (9) only in the term d_M^2 S, which grows with it: the set of feasible d_M is an
@@ -130,12 +105,12 @@ def largest_delay(
 
     Parameters
     ----------
-    loop : Delayed
+    case : Case
+    form : callable
+        Definitions ``d_M`` (s) and ``g`` as keywords -> the program.
     gamma : float
     limit : float
         A delay at which no gamma can do (such as the exact margin), s.
-    v, form : optional
-        As in `least_gamma`.
 
     Returns
     -------
@@ -143,26 +118,24 @@ def largest_delay(
         s; the largest delay at which a point was found and checked, and a delay at which the enclosure of the least
         gamma lies above gamma (the limit where there is none).
     """
-    v = v or Functional(len(loop.A))
+
+    def least(d_M: float) -> Infimum:
+        return least_gamma(form(case, d_M=repr(d_M), g="gamma2"))
 
     def room(d_M: float) -> float:
         """1/gamma^2 less the one wanted: it falls to zero almost linearly, where gamma^2 itself grows without bound."""
         try:
-            return 1 / least_gamma(replace(loop, d_M=d_M), v, form).value - gamma**-2
+            return 1 / least(d_M).bound - gamma**-2
         except ComputationError:
             return -(gamma**-2)
 
     def holds(d_M: float) -> bool:
-        at = replace(loop, d_M=d_M)
-        held = [form(at, v, gamma**2, part) < 0 for part in PARTS]
-        return isinstance(solve(Program(subject_to=[*held, *v.positive], label="(9) for a gamma")), Solved)
+        return isinstance(form(case, d_M=repr(d_M), g=repr(gamma**2)).solve(), Solved)
 
     root = float(brentq(room, limit / 2, limit, xtol=1e-6 * limit))
     for step in _STEPS:
         if step >= _LEAST and holds(root * (1 - step)):
-            refuted = first_refuted(
-                lambda d: least_gamma(replace(loop, d_M=d), v, form).lower > gamma**2, root, limit, _LEAST
-            )
+            refuted = first_refuted(lambda d: least(d).lower > gamma**2, root, limit, _LEAST)
             return root * (1 - step), refuted
     raise ComputationError("(9) for a gamma", f"no checked point a little below d_M = {root:.9g} s")
 
@@ -230,33 +203,62 @@ def enclosed_norm(loop: DelaySystem, delay: fmpq) -> dict[str, object]:
     }
 
 
-def point_at(loop: Delayed, gamma_squared: float) -> dict:
-    """Return a point of `without_slack` for a given gamma^2, with as much margin as the solver finds.
+def point_at(stated: Stated) -> dict[str, Any]:
+    """Return a point of a program of (9), with as much margin as the solver finds.
 
     Raises
     ------
     ComputationError
         If it finds none.
     """
-    v = Functional(len(loop.A))
-    held = [without_slack(loop, v, gamma_squared, part) < 0 for part in PARTS]
     for margin in (1e-4, 1e-6, 1e-8):
-        found = solve(Program(subject_to=[*held, *v.positive], label="(9)", margin=margin))
+        found = stated.changed(margin=margin).solve()
         if isinstance(found, Solved):
-            return found.values
-    raise ComputationError("(9)", f"no point at gamma^2 = {gamma_squared:g}", found.attempts)
+            break
+    return found.need(stated.label).values
 
 
-def flexible_point(
-    craft: Spacecraft, K: np.ndarray, L: np.ndarray, mode: str, d_M: float, mu: float
-) -> tuple[dict, str]:
+def flexible_point(case: Case, K: str, L: str, mode: str) -> tuple[dict[str, Any], str]:
     """Return a point of (9) for the flexible loop from w1 to w2 - w2hat, and the gamma^2 it is for, as text.
 
     gamma^2 is the next power of ten above four times that of the exact norm at d_M, below which no point can be.
+
+    Parameters
+    ----------
+    case : Case
+    K, L : str
+        Formulas of the gains.
+    mode : {"paper", "all"}
     """
-    loop = craft.flexible_loop(K, L, mode)
-    error = loop.C[:1] - loop.C[1:]
-    given = Delayed(loop.A, loop.A1, loop.B, error, np.zeros((1, 1)), d_M, mu)
-    norm = hinf_norm(DelaySystem(loop.A, loop.Bd, loop.Cd, loop.B, error), d_M).value
-    gamma_squared = 10.0 ** math.ceil(math.log10(4 * norm**2))
-    return lifted(given, point_at(given, gamma_squared)), f"{gamma_squared:g}"
+    loop, d_M = flexible_loop(K, L, mode), case.number("d_M")
+    floats = reduced_theorem_1(case, loop, 7, 1).floats()
+    delayed = Spacecraft.of(case).flexible_loop(floats.constant(K), floats.constant(L), mode)
+    error = floats.constant("C_z")
+    norm = hinf_norm(DelaySystem(delayed.A, delayed.Bd, delayed.Cd, delayed.B, error), d_M).value
+    gamma_squared = f"{10.0 ** math.ceil(math.log10(4 * norm**2)):g}"
+    return lifted(point_at(reduced_theorem_1(case, loop, 7, 1, g=gamma_squared)), d_M), gamma_squared
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How a pair of gains stands on the flexible plant.
+
+    Attributes
+    ----------
+    margin_paper, margin_all : float
+        Exact delay margins in modes "paper" and "all", s.
+    abscissa : float
+        Largest spectral abscissa over both modes and constant delays 0 and d_M, 1/s.
+    """
+
+    margin_paper: float
+    margin_all: float
+    abscissa: float
+
+
+def standing(craft: Spacecraft, K: np.ndarray, L: np.ndarray, d_M: float) -> Standing:
+    """Delay margins and slowest decay of a pair of gains on the flexible plant."""
+    loops = {mode: craft.flexible_loop(K, L, mode) for mode in ("paper", "all")}
+    margins = {mode: loop.quasi_polynomial.margin().delay for mode, loop in loops.items()}
+    worst = max(spectral_abscissa(loop, delay) for loop in loops.values() for delay in (0.0, d_M))
+    return Standing(margins["paper"], margins["all"], worst)

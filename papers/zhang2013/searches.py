@@ -1,36 +1,68 @@
 """Searches of zhang2013: the designs that a run reads, certifies and simulates."""
 
+from typing import Any
+
 import numpy as np
+from scipy.optimize import brentq
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Infimum, Program, Solved, infimum, solve
 from gainsay.tables import Case
 from gainsay.tables.designs import FoundDesign
-from papers.zhang2013.design import (
-    fast_program,
-    gains_of,
-    least_squares_program,
-    repaired_gains,
-    standing,
-    unsound_program,
-)
+from papers.zhang2013.bounds import standing
 from papers.zhang2013.plant import Spacecraft
-from papers.zhang2013.theorem2 import EDITIONS, Setting
+from papers.zhang2013.statements import fast_program, least_squares_program, unsound_program
 
 
-def _least(program: Program) -> Infimum:
-    found = infimum(program)
-    if not isinstance(found, Infimum):
-        raise ComputationError(program.label, type(found).__name__.lower(), found.attempts)
-    return found
+def gains_of(values: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+    """K = M X^-1 and L = P22^-T N of (24)."""
+    X, M, N, P22 = (np.atleast_2d(values[name]) for name in ("X", "M", "N", "P22"))
+    return np.linalg.solve(X.T, M.T).T, np.linalg.solve(P22.T, N)
+
+
+def repaired_gains(craft: Spacecraft, K: np.ndarray, L: np.ndarray, d_M: float) -> tuple[np.ndarray, np.ndarray]:
+    """More damping at the same stiffness, without giving up delay margin or decay on the flexible plant.
+
+    K1 stays, so that the first torque does not grow. For every K2 the observer is made just fast enough for the delay
+    margin of mode "all" to stay; the strongest damping K2 is taken for which the slowest root does not slow down.
+
+    Parameters
+    ----------
+    K, L : array_like, shape (1, 2)
+        Gains to be improved.
+    d_M : float
+        s.
+
+    Returns
+    -------
+    K, L : ndarray, shape (1, 2)
+        Rounded to four decimals, the printed number of digits.
+    """
+    K, L = np.asarray(K, dtype=float), np.asarray(L, dtype=float)
+    before = standing(craft, K, L, d_M)
+
+    def candidate(damping: float) -> tuple[np.ndarray, np.ndarray]:
+        def excess(l2: float) -> float:
+            loop = craft.flexible_loop([[K[0, 0], damping]], [[0.0, l2]], "all")
+            return loop.quasi_polynomial.margin().delay - 1.001 * before.margin_all
+
+        l2 = brentq(excess, 0.9 * L[0, 1], 3 * L[0, 1], xtol=1e-6)
+        return np.array([[K[0, 0], round(damping, 4)]]), np.array([[0.0, round(float(l2), 4)]])
+
+    def keeps(damping: float) -> bool:
+        return standing(craft, *candidate(damping), d_M).abscissa <= 1.001 * before.abscissa
+
+    low, high = 1.2 * K[0, 1], 4 * K[0, 1]  # K2 is negative: more damping is further down
+    if not keeps(low) or keeps(high):
+        raise ComputationError("repaired design", "the search interval of K2 does not bracket the wanted damping")
+    for _ in range(20):
+        middle = (low + high) / 2
+        low, high = (middle, high) if keeps(middle) else (low, middle)
+    return candidate(low)
 
 
 def unsound(case: Case) -> FoundDesign:
     """Gains that (23) as printed accepts at lambda1 = 1 although their observer is unstable."""
-    setting = Setting.of(Spacecraft.of(case), case, lambda1=1.0)
-    found = solve(unsound_program(setting, EDITIONS["printed"]))
-    if not isinstance(found, Solved):
-        raise ComputationError("(23) printed", "no point with an unstable observer", found.attempts)
+    found = unsound_program(case, "printed", l1="1").solve().need("(23) printed, unstable observer")
     K, L = gains_of(found.values)
     L = np.array([[0.0, round(float(L[0, 1]), 2)]])
     return FoundDesign(
@@ -38,14 +70,13 @@ def unsound(case: Case) -> FoundDesign:
         method="a point of (23) as printed with N B <= -1, rounded to two decimals",
         matrices={"K": np.round(K, 2), "L": L},
         converged=True,
-        outcome={"observer_pole": -(L @ setting.B).item()},
+        outcome={"observer_pole": -float((L @ Spacecraft.of(case).B).item())},
     )
 
 
 def resynthesised(case: Case) -> FoundDesign:
     """The corrected Theorem 2 with an objective that leaves one solution."""
-    setting = Setting.of(Spacecraft.of(case), case)
-    found = _least(least_squares_program(setting))
+    found = least_squares_program(case).infimum().need("(23) least squares")
     K, L = gains_of(found.values)
     return FoundDesign(
         asked="the least sum of squares of all unknowns of the corrected (23): strictly convex, one solution",
@@ -59,7 +90,7 @@ def resynthesised(case: Case) -> FoundDesign:
 
 def fast(case: Case) -> FoundDesign:
     """Gains of least gamma, which the flexible plant refuses."""
-    found = _least(fast_program(Setting.of(Spacecraft.of(case), case)))
+    found = fast_program(case).infimum().need("(23) least gamma")
     K, L = gains_of(found.solved.values)
     return FoundDesign(
         asked="the least gamma of the corrected (23) with entries of at most 100",

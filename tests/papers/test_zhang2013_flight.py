@@ -15,7 +15,7 @@ from gainsay.proof.build import finish
 from gainsay.simulation.delay import DelayLaw
 from gainsay.systems.delay_spectrum import spectral_abscissa, unstable_root_count
 from gainsay.tables import Case, read_case
-from papers.zhang2013 import audit, certificates, flight, runs
+from papers.zhang2013 import audit, flight, proofs, runs
 from papers.zhang2013.plant import MODES, Spacecraft
 
 CASE: Case = read_case(Path(__file__).resolve().parents[2], "zhang2013")
@@ -183,14 +183,14 @@ def ends(made, quantity: str) -> tuple[float, float]:
 
 
 def test_root_mean_square_of_w1_is_its_amplitude_over_the_root_of_two():
-    low, high = ends(certificates.w1_rms(CASE, SIZE, "audit.w1_rms"), "audit.w1_rms")
+    low, high = ends(proofs.w1_rms(CASE, SIZE, "audit.w1_rms"), "audit.w1_rms")
     t = np.arange(1000) * (2 * np.pi / 1000)  # one period, evenly sampled: exact for a sinusoid
     assert low == pytest.approx(np.sqrt(np.mean(flight.external_torque(CASE)(t) ** 2)), rel=1e-12)
     assert high == pytest.approx(low, rel=1e-12)
 
 
 def test_the_estimation_error_keeps_the_amplitude_that_is_certified():
-    made = certificates.residual_error(CASE, "w1_frequency", SIZE, "audit.residual_error")
+    made = proofs.residual_error(CASE, "w1_frequency", SIZE, "audit.residual_error")
     low, high = ends(made, "audit.residual_error")
     run = flight.fly(CASE, K, L, "paper", "zero", law=NONE, horizon=420.0)
     x = run.solution(420.0 - np.arange(1000) * (2 * np.pi / 1000))  # the last period; free motion: exp(-0.04 * 413)
@@ -203,7 +203,7 @@ def test_the_estimation_error_keeps_the_amplitude_that_is_certified():
 
 
 def test_the_norm_of_w_may_exceed_the_larger_bound():
-    made = certificates.larger_than_max(CASE)
+    made = proofs.larger_than_max(CASE)
     with pytest.raises(CertificateError):  # with delta_2 = 0 it cannot
         finish(
             made.changed(definitions=(("delta_1", "4"), ("delta_2", "0")), fields=made.fields | {"low": "1e-9"}), CASE

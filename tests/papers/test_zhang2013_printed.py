@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gainsay.tables import Case, read_case
-from papers.zhang2013 import formulas, theorem1, theorem2
+from papers.zhang2013 import statements
 from papers.zhang2013.plant import Spacecraft
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -150,27 +150,34 @@ def assembled(cells: list[list[str]], names: dict, sizes: list[int]) -> np.ndarr
 
 
 @pytest.fixture(scope="module")
-def setting(case):
-    changes = {"gamma": 1.7, "d_M": 0.4, "mu": 0.3, "lambda1": 0.6, "lambda2": 0.8}
-    return theorem2.Setting.of(Spacecraft.of(case), case, **changes)
+def setting(case) -> dict:
+    """Data of the plant as printed, and scalars other than those of the example."""
+    craft = Spacecraft.of(case)
+    plant = {name: np.asarray(getattr(craft, name), dtype=float) for name in ("A", "B", "C1", "C2", "Cd1", "Cd2")}
+    return plant | {"g": 1.7**2, "d_M": 0.4, "mu": 0.3, "l1": 0.6, "l2": 0.8}
+
+
+UNKNOWNS = {**statements.UNKNOWNS_23, **statements.UNKNOWNS_26}
 
 
 def random_values(seed: int = 3) -> dict:
     rng = np.random.default_rng(seed)
     values = {}
-    for name, shape in (*SHAPES.items(), *theorem2.FREE.items(), ("K", (1, 2)), ("L", (1, 2))):
-        value = rng.normal(size=shape)
-        values[name] = value + value.T if name in theorem2.SYMMETRIC else value
+    for name, unknown in UNKNOWNS.items():
+        if name in ("l1", "l2"):
+            continue
+        value = rng.normal(size=(unknown.rows, unknown.columns))
+        values[name] = value + value.T if unknown.structure == "symmetric" else value
     return values
 
 
-def names_of(setting, values: dict) -> dict:
-    names = {**values, "A": setting.A, "B": setting.B, "I": np.eye(1), "d_M": setting.d_M, "mu": setting.mu}
-    names |= {"lambda_1": setting.lambda1, "lambda_2": setting.lambda2, "gamma^2": setting.gamma**2}
-    return names | {"C1": setting.C1, "C2": setting.C2, "Cd1": setting.Cd1, "Cd2": setting.Cd2}
+def names_of(setting: dict, values: dict) -> dict:
+    """Values under the names of the second reading."""
+    renamed = {"l1": "lambda_1", "l2": "lambda_2", "g": "gamma^2"}
+    return {**values, "I": np.eye(1), **{renamed.get(name, name): value for name, value in setting.items()}}
 
 
-SIZES = [formulas.size_of(row) for row in theorem2.ROWS]
+SIZES = list(statements.SIZES.values())
 
 
 @pytest.mark.parametrize("part", ["a", "b"])
@@ -179,13 +186,13 @@ def test_printed_theorem_2_is_what_the_second_reading_spells(setting, part):
     names = names_of(setting, values)
     names["P21"] = values["X"]  # the hat of P21 is the unknown X
     expected = assembled(second_reading(f"eq23{part}"), define("pi23", names), SIZES)
-    found = theorem2.printed(setting, theorem2.Unknowns(), part).value(values)
+    found = evaluate(statements.equation_23(part).formula, setting, values)
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
 def test_printed_26_is_what_the_second_reading_spells(case, setting):
     values = random_values()
-    # Pi_221 prints R1, which does not fit; R2 is read there, as formulas.printed26 says
+    # Pi_221 prints R1, which does not fit; R2 is read there, as statements.equation_26 says
     names = names_of(setting, values)
     for name, text in second_reading("pi26"):
         if "221" in name or "222" in name:
@@ -198,11 +205,11 @@ def test_printed_26_is_what_the_second_reading_spells(case, setting):
         if key in ("hatPi_44", "hatPi_66", "hatPi_881")
     }
     expected = assembled(second_reading("eq26a"), names, SIZES)
-    found = evaluate(formulas.joined(formulas.printed26("a", "g"), formulas.ROWS), setting, values)
+    found = evaluate(statements.equation_26("a").formula, setting, values)
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
-def evaluate(text: str, setting, values: dict) -> np.ndarray:
+def evaluate(text: str, setting: dict, values: dict) -> np.ndarray:
     """Value of a certificate's formula at floats, by the checker's own evaluator."""
     from fractions import Fraction
 
@@ -210,26 +217,13 @@ def evaluate(text: str, setting, values: dict) -> np.ndarray:
     from gainsay.exact.rational import rational_matrix
     from gainsay.proof import formulas as language
 
-    exact = {name: np.atleast_2d(value) for name, value in values.items()}
-    exact |= {"A": setting.A, "B": setting.B, "C1": setting.C1, "C2": setting.C2, "Cd1": setting.Cd1}
-    exact |= {"Cd2": setting.Cd2, "d_M": [[setting.d_M]], "mu": [[setting.mu]], "g": [[setting.gamma**2]]}
-    exact |= {"l1": [[setting.lambda1]], "l2": [[setting.lambda2]]}
+    exact = {name: np.atleast_2d(value) for name, value in {**setting, **values}.items()}
     matrices = {
         name: Matrix(rational_matrix([[Fraction(float(x)) for x in row] for row in np.asarray(value).tolist()]))
         for name, value in exact.items()
     }
     value = language.evaluate(text, matrices, None)
     return np.array([[int(x.p) / int(x.q) for x in row] for row in value.rows()])
-
-
-@pytest.mark.parametrize("part", ["a", "b"])
-@pytest.mark.parametrize("edition", ["printed", "corrected"])
-def test_formulas_of_certificates_are_the_block_matrices_that_are_solved(setting, edition, part):
-    values = random_values(5)
-    form = {"printed": formulas.printed23, "corrected": formulas.corrected23}[edition]
-    found = evaluate(formulas.joined(form(part, "g"), formulas.ROWS), setting, values)
-    expected = theorem2.EDITIONS[edition](setting, theorem2.Unknowns(), part).value(values)
-    np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("part", ["a", "b"])
@@ -245,6 +239,6 @@ def test_theorem_1_is_what_the_second_reading_spells(part):
     names["barAd"] = names["barA_d"]
     cells = second_reading(f"eq9{part}")
     expected = assembled(cells, define("omega", names), [3, 3, 3, 3, 2, 1])
-    loop = theorem1.Delayed(data["barA"], data["barA_d"], data["barB"], data["C"], data["Cd"], 0.4, 0.3)
-    found = theorem1.theorem1(loop, theorem1.Functional(3), 2.89, part).value(unknowns)
+    loop = {"A_bar": data["barA"], "A_d": data["barA_d"], "B_bar": data["barB"], "C_z": data["C"], "C_d": data["Cd"]}
+    found = evaluate(statements.equation_9(part, {}).formula, {"d_M": 0.4, "mu": 0.3, "g": 2.89}, {**loop, **unknowns})
     np.testing.assert_allclose(found, expected, atol=1e-12)

@@ -1,6 +1,5 @@
 """Theorems 1 and 2 of zhang2013: the correction, what it accepts, and second methods for its numbers."""
 
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,56 +9,99 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gainsay.errors import CertificateError, ComputationError
-from gainsay.lmi import Infimum, Program, Solved, infimum, scalar, solve
-from gainsay.proof import Conclusion
+from gainsay.lmi import Infeasible, Solved
+from gainsay.proof import Conclusion, build
+from gainsay.statements.floats import Floats
 from gainsay.systems.delay_bounds import bessel_legendre, level, proved_delay
 from gainsay.systems.delay_spectrum import hinf_norm
 from gainsay.tables import Case, read_case
-from papers.zhang2013 import certificates, derivations, misprints
-from papers.zhang2013.bounds import Structured, first_refuted, gamma_program, largest_delay, least_gamma, lifted
-from papers.zhang2013.design import (
-    acceptance_program,
-    farkas_multipliers,
+from papers.zhang2013 import derivations, misprints, proofs
+from papers.zhang2013.bounds import channel_blocks, first_refuted, largest_delay, least_gamma, lifted, standing
+from papers.zhang2013.plant import Spacecraft
+from papers.zhang2013.proofs import gains_of as formulas_of
+from papers.zhang2013.searches import gains_of
+from papers.zhang2013.statements import (
+    EDITIONS,
+    OFFSETS,
+    PARTS,
+    PRINTED_LOOP,
+    ROWS,
+    SIGNED,
+    UNKNOWNS_23,
+    corrected_23,
+    equation_23,
     fast_program,
-    gains_of,
-    inequalities,
+    for_gains,
+    least_gamma_program,
     least_squares_program,
     margin_program,
-    standing,
+    reduced_theorem_1,
+    structured_theorem_1,
+    theorem_1,
+    theorem_2,
     unsound_program,
 )
-from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.synthesis import near_optimum
-from papers.zhang2013.theorem1 import PARTS, Delayed, Functional, channel_blocks, theorem1, without_slack
-from papers.zhang2013.theorem2 import (
-    EDITIONS,
-    FREE,
-    ROWS,
-    SYMMETRIC,
-    Setting,
-    Unknowns,
-    congruence,
-    corrected,
-    differing_blocks,
-    printed,
-)
 
 CASE: Case = read_case(Path(__file__).resolve().parents[2], "zhang2013")
 CRAFT = Spacecraft.of(CASE)
 K, L = CASE.matrix("K"), CASE.matrix("L")
-PLUS = Setting.of(CRAFT, CASE)
-LOOP = Delayed.of(CRAFT, CASE.printed("K").exact, CASE.printed("L").exact, 0.03, 0.1)
+PRINTED_GAINS = for_gains("printed('K')", "printed('L')")
+CELLS = {(c.row, c.column) for part in PARTS for c in corrected_23(part).differences}
+NUMBERS = {"d_M": 0.03, "mu": 0.1, "l1": 0.12, "l2": 0.1, "g": 2.25}
 
 
 def random_point(seed: int) -> dict[str, np.ndarray]:
     rng = np.random.default_rng(seed)
     point = {}
-    for name, size in SYMMETRIC.items():
-        value = rng.normal(size=(size, size))
-        point[name] = value + value.T
-    for name, shape in FREE.items():
-        point[name] = rng.normal(size=shape) + 2 * np.eye(*shape)
+    for name, unknown in UNKNOWNS_23.items():
+        value = rng.normal(size=(unknown.rows, unknown.columns))
+        free = value + 2 * np.eye(*value.shape)
+        point[name] = value + value.T if unknown.structure == "symmetric" else free
     return point
+
+
+def left_side(statement, point: dict, **numbers: float) -> np.ndarray:
+    """Left side of an edition of (23) at a point, by the solver's evaluator."""
+    texts = {name: repr(value) for name, value in (NUMBERS | numbers).items()}
+    definitions = statement.defining(**texts).definitions(CASE)
+    variables = {name: unknown.variable(name) for name, unknown in UNKNOWNS_23.items()}
+    return Floats(CASE, definitions, variables).value(statement.formula).value(point)
+
+
+def congruence(values: dict, part: str, d_M: float, mu: float, l1: float, l2: float, g: float) -> np.ndarray:
+    """T' (9) T under (25) from the original P21 = X^-1, K = M X^-1, L = P22^-T N, typed from (9) in plain numpy."""
+    X, P22 = values["X"], values["P22"]
+    P21 = np.linalg.inv(X)
+    gain, L = values["M"] @ P21, np.linalg.inv(P22).T @ values["N"]
+    data = {name: np.asarray(getattr(CRAFT, name), dtype=float) for name in ("A", "B", "C1", "C2", "Cd1", "Cd2")}
+    zero = np.zeros
+    A = np.block([[data["A"], data["B"]], [zero((1, 2)), -L @ data["B"]]])
+    Ad = np.block([[data["B"] @ gain, zero((2, 1))], [zero((1, 3))]])
+    B = np.block([[data["B"], zero((2, 1))], [-L @ data["B"], np.eye(1)]])
+    C, Cd = np.hstack([data["C1"], data["C2"]]), np.hstack([data["Cd1"], data["Cd2"]])
+
+    def original(hat: str, plain: str) -> np.ndarray:
+        return np.block([[P21.T @ values[hat] @ P21, zero((2, 1))], [zero((1, 2)), values[plain]]])
+
+    P1, Q1, Q2, R = (original(*p) for p in (("P11", "P12"), ("Q11", "Q12"), ("Q21", "Q22"), ("R1", "R2")))
+    P2 = np.block([[P21, zero((2, 1))], [zero((1, 2)), P22]])
+    P3 = np.block([[l1 * P21, zero((2, 1))], [zero((1, 2)), l2 * P22]])
+    c, o = (3, 1) if part == "a" else (1, 3)
+    O = zero((3, 3))  # noqa: E741
+    upper = np.block([
+        [P2.T @ A + A.T @ P2 + Q1 + Q2 - c * R / d_M, P1 - P2.T + A.T @ P3, P2.T @ Ad + c * R / d_M, O, P2.T @ B, C.T],
+        [O, -P3 - P3.T + d_M * R, P3.T @ Ad, O, P3.T @ B, zero((3, 1))],
+        [O, O, -(1 - mu) * Q2 - 4 * R / d_M, o * R / d_M, zero((3, 2)), zero((3, 1))],
+        [O, O, O, -Q1 - o * R / d_M, zero((3, 2)), zero((3, 1))],
+        [zero((2, 12)), -g * np.eye(2), Cd.T],
+        [zero((1, 14)), -np.eye(1)],
+    ])  # fmt: skip
+    T = np.eye(15)
+    for i in range(0, 12, 3):
+        T[i : i + 2, i : i + 2] = X
+    whole = np.triu(upper) + np.triu(upper, 1).T
+    return T.T @ whole @ T
 
 
 @given(
@@ -72,10 +114,10 @@ def random_point(seed: int) -> dict[str, np.ndarray]:
 )
 @settings(deadline=None, max_examples=40)
 def test_corrected_23_is_the_congruence_of_9_under_25(seed, d_M, mu, lambda1, lambda2, part):
-    setting = replace(PLUS, d_M=d_M, mu=mu, lambda1=lambda1, lambda2=lambda2)
+    numbers = {"d_M": d_M, "mu": mu, "l1": lambda1, "l2": lambda2, "g": 2.25}
     point = random_point(seed)
-    expected = congruence(setting, point, part)
-    found = corrected(setting, Unknowns(), part).value(point)
+    expected = congruence(point, part, **numbers)
+    found = left_side(corrected_23(part), point, **numbers)
     np.testing.assert_allclose(found, expected, atol=1e-9 * (1 + np.abs(expected).max()))
 
 
@@ -83,15 +125,15 @@ def test_corrected_23_is_the_congruence_of_9_under_25(seed, d_M, mu, lambda1, la
 def test_the_difference_to_the_congruence_is_in_the_blocks_found(part):
     # independent of the corrected formulas: printed (23) against T' (9) T, entry by entry, at a random point
     point = random_point(11)
-    gap = np.abs(printed(PLUS, Unknowns(), part).value(point) - congruence(PLUS, point, part)) > 1e-9
+    gap = np.abs(left_side(equation_23(part), point) - congruence(point, part, **NUMBERS)) > 1e-9
     ends = np.cumsum([0, 2, 1, 2, 1, 2, 1, 2, 1, 1, 1, 1])
     found = {
-        (i + 1, j + 1)
+        (ROWS[i], ROWS[j])
         for i in range(11)
         for j in range(i, 11)
         if gap[ends[i] : ends[i + 1], ends[j] : ends[j + 1]].any()
     }
-    assert found == set(differing_blocks(PLUS))
+    assert found == CELLS
 
 
 @given(st.integers(0, 10_000), st.floats(-3.0, 0.0), st.sampled_from(["printed", "corrected"]))
@@ -99,61 +141,62 @@ def test_the_difference_to_the_congruence_is_in_the_blocks_found(part):
 def test_a_form_is_positive_for_every_lambda1_up_to_zero(seed, lambda1, edition):
     rng = np.random.default_rng(seed)
     point = random_point(seed)
-    for name, size in SYMMETRIC.items():
-        half = rng.normal(size=(size, size))
-        point[name] = half @ half.T + 0.1 * np.eye(size)
+    for name, unknown in SIGNED.items():
+        half = rng.normal(size=(unknown.rows, unknown.rows))
+        point[name] = half @ half.T + 0.1 * np.eye(unknown.rows)
     z = np.zeros(15)
     v = rng.normal(size=2)
     for row, factor in (("x", lambda1), ("x'", -1.0), ("x_d", lambda1), ("x_M", lambda1)):
-        start = certificates.OFFSETS[row]
+        start = OFFSETS[row]
         z[start : start + 2] = factor * v
-    F = EDITIONS[edition](replace(PLUS, lambda1=lambda1), Unknowns(), "a").value(point)
+    F = left_side(EDITIONS[edition]("a"), point, l1=lambda1)
     assert z @ F @ z > 0
 
 
+def reduced(**texts: str):
+    return least_gamma(reduced_theorem_1(CASE, PRINTED_LOOP, g="gamma2", **texts))
+
+
 def test_least_gamma_is_the_same_with_and_without_slack():
-    with_slack = infimum(gamma_program(LOOP, Functional(3), theorem1))
-    assert isinstance(with_slack, Infimum)
-    assert with_slack.upper == pytest.approx(least_gamma(LOOP).value, rel=1e-4)
+    with_slack = least_gamma(theorem_1(CASE, PRINTED_LOOP, g="gamma2"))
+    assert with_slack.upper == pytest.approx(reduced().bound, rel=1e-4)
 
 
 def test_a_point_without_slack_lifts_to_theorem_1():
-    found = least_gamma(LOOP)
-    point = lifted(LOOP, found.solved.values)
-    gamma_squared, v = scalar("gamma2"), Functional(3)
-    held = [theorem1(LOOP, v, gamma_squared, part) < 0 for part in PARTS]
-    assert Program(minimise=gamma_squared, subject_to=[*held, *v.positive]).check(point).holds
+    point = lifted(reduced().solved.values, 0.03)
+    assert least_gamma_program(theorem_1(CASE, PRINTED_LOOP, g="gamma2")).program().check(point).holds
 
 
 def test_theorem_1_lies_between_the_exact_norm_and_its_structured_form():
     exact = hinf_norm(CRAFT.design_loop(CASE.printed("K").exact, CASE.printed("L").exact), 0.03).value
-    full = np.sqrt(least_gamma(LOOP).value)
-    structured = np.sqrt(least_gamma(LOOP, Structured(0.12, 0.1), theorem1).value)
+    full = np.sqrt(reduced().bound)
+    structured = np.sqrt(least_gamma(structured_theorem_1(CASE, PRINTED_LOOP, g="gamma2")).bound)
     assert exact < full < structured < CASE.number("gamma") / 10  # more than tenfold margin
 
 
 def test_structured_theorem_1_is_theorem_2_for_given_gains():
     # two parametrisations of the same set: P21, ... of (25), and X = P21^-1 with the hats
-    least = least_gamma(LOOP, Structured(0.12, 0.1), theorem1)
+    least = least_gamma(structured_theorem_1(CASE, PRINTED_LOOP, g="gamma2"))
     for factor, feasible in ((1.01, True), (0.99, False)):
-        setting = replace(PLUS, gamma=float(np.sqrt(least.value) * factor))
-        found = solve(acceptance_program(setting, K, L, corrected))
+        found = margin_program(CASE, "corrected", g=repr(least.bound * factor**2), **PRINTED_GAINS).solve()
         assert isinstance(found, Solved)
         assert (-found.objective > 0) == feasible
 
 
 def test_mu_has_no_effect_on_the_least_gamma():
-    assert least_gamma(replace(LOOP, mu=1.0)).value == pytest.approx(least_gamma(LOOP).value, rel=1e-6)
+    assert reduced(mu="1").bound == pytest.approx(reduced().bound, rel=1e-6)
 
 
 @pytest.mark.slow
 def test_largest_delay_lies_below_the_exact_margin_and_between_checked_points():
     limit = CRAFT.design_loop(K, L).quasi_polynomial.margin().delay
-    feasible, infeasible = largest_delay(LOOP, 1.5, limit)
+    feasible, infeasible = largest_delay(
+        CASE, lambda case, **texts: reduced_theorem_1(case, PRINTED_LOOP, **texts), 1.5, limit
+    )
     assert feasible < infeasible < limit
     assert infeasible - feasible < 2e-4
     for d_M, sign in ((feasible - 1e-3, -1), (infeasible + 1e-3, 1)):
-        assert sign * (least_gamma(replace(LOOP, d_M=d_M)).value - 2.25) > 0
+        assert sign * (reduced(d_M=repr(d_M)).bound - 2.25) > 0
 
 
 def test_theorem_1_of_the_delayed_signal_proves_no_more_than_theorem_1():
@@ -162,7 +205,7 @@ def test_theorem_1_of_the_delayed_signal_proves_no_more_than_theorem_1():
     exact = loop.quasi_polynomial.margin().delay
     proved, _ = proved_delay(lambda d: channel_blocks(*parts, d, 0.1), 1.001 * exact, 1e-3)
     # its stability part is what remains of (9) for a large gamma
-    assert least_gamma(replace(LOOP, d_M=0.999 * proved)).upper < 1e4
+    assert reduced(d_M=repr(0.999 * proved)).upper < 1e4
     # and for varying delays it proves what Jensen's inequality proves for constant ones
     jensen, tried = proved_delay(lambda d: bessel_legendre(*parts, d, 0).blocks, 1.001 * exact, 1e-3)
     assert jensen - 1e-9 <= proved <= tried + 1e-9
@@ -195,21 +238,6 @@ def test_9b_with_equal_delays_is_jensens_condition_less_mu_q2(seed, d_M, mu):
     np.testing.assert_allclose(T.T @ core @ T, jensen, atol=1e-12 * np.abs(F).max() * (1 + d_M))
 
 
-def test_multipliers_of_contradicting_bounds_are_their_closed_form():
-    """x > 0 and -1 - x > 0 contradict each other with equal weights alone; the sum is -1 times the weight."""
-    x = scalar("x")
-    program = Program(subject_to=[(x > 0).named("above"), ((-x - 1) > 0).named("below")], label="bounds")
-    found = farkas_multipliers(program)
-    assert found["above"].item() == pytest.approx(found["below"].item(), rel=1e-9)
-    assert found["above"].item() > 0
-
-
-def test_a_feasible_program_has_no_multipliers():
-    x = scalar("x")
-    with pytest.raises(ComputationError, match="no multipliers"):
-        farkas_multipliers(Program(subject_to=[(x > 0).named("above"), ((1 - x) > 0).named("below")], label="bounds"))
-
-
 def test_first_refuted_is_the_limit_where_nothing_is_refuted():
     assert first_refuted(lambda h: False, 1.0, 2.0) == 2.0
     assert first_refuted(lambda h: True, 1.0, 1.0 + 1e-9) == 1.0 + 1e-9
@@ -217,24 +245,23 @@ def test_first_refuted_is_the_limit_where_nothing_is_refuted():
 
 
 def test_unsound_point_has_an_unstable_observer():
-    found = solve(unsound_program(replace(PLUS, lambda1=1.0), EDITIONS["printed"]))
+    found = unsound_program(CASE, "printed", l1="1").solve()
     assert isinstance(found, Solved)
     _, L_found = gains_of(found.values)
-    assert (L_found @ PLUS.B).item() < 0  # e' = -L B e grows
+    assert (L_found @ CRAFT.B).item() < 0  # e' = -L B e grows
     # the corrected LMIs accept none such: Theorem 1 would prove it stable
-    assert not isinstance(solve(unsound_program(PLUS, EDITIONS["corrected"])), Solved)
+    assert not isinstance(unsound_program(CASE, "corrected").solve(), Solved)
 
 
 @pytest.mark.parametrize(
     ("design", "program"), [("resynthesised", least_squares_program), ("fast", fast_program)], ids=lambda x: str(x)[:5]
 )
 def test_committed_designs_of_convex_programs_are_near_the_optimum_and_the_printed_gains_are_not(design, program):
-    committed = CASE.designs[design]["K"], CASE.designs[design]["L"]
     results = SimpleNamespace(attempt=lambda *_: None)
-    least = infimum(program(PLUS))
-    near_optimum(design, program(PLUS, committed), least.lower, results)
+    least = program(CASE).infimum()
+    near_optimum(design, program(CASE, **for_gains(*formulas_of(design))), least.lower, results)
     with pytest.raises(ComputationError, match=f"designs/{design}.json reaches"):
-        near_optimum(design, program(PLUS, (K, L)), least.lower, results)
+        near_optimum(design, program(CASE, **PRINTED_GAINS), least.lower, results)
 
 
 def test_an_enclosure_is_the_value_between_its_neighbours():
@@ -242,7 +269,7 @@ def test_an_enclosure_is_the_value_between_its_neighbours():
     proved = SimpleNamespace(
         conclusions=[Conclusion("q", "greater_than", "-1"), Conclusion("q", "inside", "-1/2..-0.5")]
     )
-    assert certificates.enclosure(proved) == {
+    assert proofs.enclosure(proved) == {
         "value": -0.5, "lower": np.nextafter(-0.5, -1), "upper": np.nextafter(-0.5, 0)
     }  # fmt: skip
 
@@ -256,12 +283,11 @@ def test_repaired_design_is_no_worse_than_the_printed_one_in_anything_counted():
 
 
 def test_certificates_of_misprints_are_accepted():
-    blocks = differing_blocks(PLUS)
-    for i, j in blocks:
-        assert misprints.differing_block(CASE, ROWS[i - 1], ROWS[j - 1]).kind == "different"
+    for row, column in CELLS:
+        assert misprints.differing_block(CASE, row, column).kind == "different"
     assert misprints.corrected_form(CASE).conclusions[0].relation == "holds"
-    assert misprints.printed23_differs(CASE).conclusions[0].relation == "fails"
-    assert misprints.printed26_differs(CASE).conclusions[0].relation == "fails"
+    assert misprints.printed_23_differs(CASE).conclusions[0].relation == "fails"
+    assert misprints.printed_26_differs(CASE).conclusions[0].relation == "fails"
     assert {made.id for made in misprints.wrong_sizes(CASE)} == {"eq26-r1", "hats-q12", "eq24-inverse", "eq7-bars"}
 
 
@@ -271,10 +297,10 @@ def test_a_block_that_is_right_has_no_certificate_of_a_difference():
 
 
 def test_infeasibility_at_the_printed_sign_is_certified_and_not_at_plus():
-    for edition in EDITIONS:
+    for edition in ("printed", "corrected"):
         quantity = "theorem2.feasible_printed_sign"
-        assert certificates.printed_sign_infeasible(CASE, edition, quantity).conclusions[0].relation == "fails"
-    assert certificates.negative_form(CASE).conclusions[0].relation == "holds"
+        assert proofs.printed_sign_infeasible(CASE, edition, quantity).conclusions[0].relation == "fails"
+    assert proofs.negative_form(CASE).conclusions[0].relation == "holds"
 
     class Positive:
         """The tables with lambda1 = +0.12 where the paper prints -0.12."""
@@ -286,31 +312,38 @@ def test_infeasibility_at_the_printed_sign_is_certified_and_not_at_plus():
             return CASE.exact("lambda1_corrected" if name == "lambda1" else name)
 
     with pytest.raises(CertificateError):
-        certificates.printed_sign_infeasible(Positive(), "corrected", "theorem2.feasible_printed_sign")
+        proofs.printed_sign_infeasible(Positive(), "corrected", "theorem2.feasible_printed_sign")
+
+
+def certified(maker, edition: str, **witness):
+    stated = theorem_2(CASE, edition)
+    return maker(
+        id="x", paper="zhang2013", statement="", quantities={"feasible": "theorem2.feasible"}, **witness,
+        **stated.parts(),
+    )  # fmt: skip
 
 
 def test_printed_lmis_are_infeasible_at_plus_and_the_corrected_ones_are_not():
-    program = Program(subject_to=inequalities(PLUS, Unknowns(), EDITIONS["printed"], 0.0), label="(23) printed")
-    multipliers = farkas_multipliers(program)
-    named = "theorem2.printed_feasible"
-    made = certificates.infeasible(CASE, "x", "printed", "number('lambda1_corrected')", multipliers, named)
-    assert made.conclusions[0].relation == "fails"
+    found = theorem_2(CASE, "printed").solve()
+    assert isinstance(found, Infeasible)
+    multipliers = found.farkas.multipliers
+    assert certified(build.farkas, "printed", multipliers=multipliers).conclusions[0].relation == "fails"
+    renamed = {label.replace(")", ") corrected") if "23" in label else label: z for label, z in multipliers.items()}
     with pytest.raises(CertificateError):  # the same multipliers prove nothing of the corrected LMIs
-        certificates.infeasible(CASE, "x", "corrected", "number('lambda1_corrected')", multipliers, named)
+        certified(build.farkas, "corrected", multipliers=renamed)
 
 
 def test_a_point_of_the_corrected_lmis_is_no_point_of_the_printed_ones():
-    found = infimum(margin_program(PLUS, "corrected"))
-    plus, quantity = "number('lambda1_corrected')", "theorem2.feasible"
-    made = certificates.feasible(CASE, "x", "corrected", plus, found.solved.values, quantity)
-    assert made.conclusions[0].relation == "holds"
+    point = margin_program(CASE, "corrected").infimum().solved.values
+    point = {name: point[name] for name in UNKNOWNS_23}
+    assert certified(build.feasible_point, "corrected", point=point).conclusions[0].relation == "holds"
     with pytest.raises(CertificateError):
-        certificates.feasible(CASE, "x", "printed", plus, found.solved.values, quantity)
+        certified(build.feasible_point, "printed", point=point)
 
 
 def test_gamma_floor_is_the_modulus_of_c2():
-    assert certificates.gamma_floor(CASE).conclusions[0].value == "0.01"  # C2 = -0.1
-    found = solve(acceptance_program(replace(PLUS, gamma=0.0999), K, L, corrected))
+    assert proofs.gamma_floor(CASE).conclusions[0].value == "0.01"  # C2 = -0.1
+    found = margin_program(CASE, "corrected", g=repr(0.0999**2), **PRINTED_GAINS).solve()
     assert not (isinstance(found, Solved) and found.objective < 0)
 
 
@@ -319,25 +352,33 @@ def test_derivations_are_tasks():
 
 
 def test_without_slack_refuses_an_unstable_loop():
-    unstable = replace(LOOP, A=LOOP.A + 0.5 * np.eye(3))
-    v = Functional(3)
-    held = [without_slack(unstable, v, 1e6, part) < 0 for part in PARTS]
-    assert not isinstance(solve(Program(subject_to=[*held, *v.positive])), Solved)
+    unstable = {**PRINTED_LOOP, "A_bar": f"{PRINTED_LOOP['A_bar']} + 0.5*eye(3)"}
+    assert not isinstance(reduced_theorem_1(CASE, unstable, g="1e6").solve(), Solved)
 
 
-def by_cvxpy(setting: Setting, edition: str):
+def by_cvxpy(edition: str, **numbers: float):
     """The same inequalities through another modelling layer: variables and both left sides."""
     import cvxpy as cp
 
-    values = {n: cp.Variable((k, k), symmetric=True) if k > 1 else cp.Variable((1, 1)) for n, k in SYMMETRIC.items()}
-    values |= {name: cp.Variable(shape) for name, shape in FREE.items()}
+    values = {}
+    for name, unknown in UNKNOWNS_23.items():
+        symmetric = unknown.structure == "symmetric" and unknown.rows > 1
+        values[name] = cp.Variable((unknown.rows, unknown.columns), symmetric=symmetric)
+    origin = {name: np.zeros(value.shape) for name, value in values.items()}
     sides = []
     for part in PARTS:
-        whole = EDITIONS[edition](setting, Unknowns(), part).assembled
-        side = cp.Constant(whole.constant)
-        for variable, tensor in whole.terms.items():
-            for k, (i, j) in enumerate(variable.index):
-                side = side + tensor[:, :, k] * values[variable.name][i, j]
+        statement = EDITIONS[edition](part)
+        constant = left_side(statement, origin, **numbers)
+        side = cp.Constant(constant)
+        for name, value in values.items():
+            for i in range(value.shape[0]):
+                for j in range(i if UNKNOWNS_23[name].structure == "symmetric" else 0, value.shape[1]):
+                    unit = np.zeros(value.shape)
+                    unit[i, j] = 1
+                    if UNKNOWNS_23[name].structure == "symmetric":
+                        unit[j, i] = 1
+                    slope = left_side(statement, {**origin, name: unit}, **numbers) - constant
+                    side = side + slope * value[i, j]
         sides.append(side)
     return values, sides
 
@@ -347,14 +388,13 @@ def by_cvxpy(setting: Setting, edition: str):
 def test_margins_agree_with_another_modelling_layer(edition, lambda1):
     import cvxpy as cp
 
-    setting = Setting.of(CRAFT, CASE, lambda1=lambda1)
-    values, sides = by_cvxpy(setting, edition)
+    values, sides = by_cvxpy(edition, l1=lambda1)
     t = cp.Variable()
     held = [side << -t * np.eye(15) for side in sides] + [cp.abs(v) <= 1e4 for v in values.values()]
-    held += [values[name] >> t * np.eye(size) for name, size in SYMMETRIC.items()]
+    held += [values[name] >> t * np.eye(unknown.rows) for name, unknown in SIGNED.items()]
     problem = cp.Problem(cp.Maximize(t), [*held, t <= 1])
     problem.solve(solver="CLARABEL")
-    found = infimum(margin_program(setting, edition))
+    found = margin_program(CASE, edition, l1=repr(lambda1)).infimum()
     assert -found.value == pytest.approx(problem.value, abs=1e-5)
 
 
@@ -362,14 +402,12 @@ def test_margins_agree_with_another_modelling_layer(edition, lambda1):
 def test_least_squares_design_agrees_with_another_modelling_layer():
     import cvxpy as cp
 
-    from papers.zhang2013.design import least_squares_program
-
-    values, sides = by_cvxpy(PLUS, "corrected")
+    values, sides = by_cvxpy("corrected")
     held = [side << -1e-3 * np.eye(15) for side in sides]
-    held += [values[name] >> 1e-3 * np.eye(size) for name, size in SYMMETRIC.items()]
+    held += [values[name] >> 1e-3 * np.eye(unknown.rows) for name, unknown in SIGNED.items()]
     problem = cp.Problem(cp.Minimize(sum(cp.sum_squares(v) for v in values.values())), held)
     problem.solve(solver="CLARABEL")
-    found = infimum(least_squares_program(PLUS))
+    found = least_squares_program(CASE).infimum()
     assert found.value == pytest.approx(problem.value, rel=1e-5)
     gain, _ = gains_of(found.values)
     other, _ = gains_of({name: v.value for name, v in values.items()})

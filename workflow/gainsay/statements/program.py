@@ -8,7 +8,7 @@ import numpy as np
 
 from gainsay import lmi
 from gainsay.errors import InputError
-from gainsay.lmi import BlockMatrix, Definite, Equal, Program, Scale, equal, within
+from gainsay.lmi import BlockMatrix, Definite, Equal, Program, Scale, Solved, equal, within
 from gainsay.proof.formulas import names_in
 from gainsay.statements.floats import Floats
 from gainsay.statements.statement import Constraint, read_constraint
@@ -33,6 +33,8 @@ class Stated:
         Beside those of the statements; definitions given here come first.
     boxes : mapping of str to str
         Unknown to the printed matrix to whose digits it rounds.
+    bounds : mapping of str to float
+        Unknown to a bound on the modulus of its entries: a wish of the solver's program that no certificate states.
     label : str
         Name of the program in messages.
     scale, margin
@@ -50,6 +52,7 @@ class Stated:
     unknowns: Mapping[str, Unknown] = field(default_factory=dict)
     where: Mapping[str, str] = field(default_factory=dict)
     boxes: Mapping[str, str] = field(default_factory=dict)
+    bounds: Mapping[str, float] = field(default_factory=dict)
     label: str = "program"
     scale: Scale = field(default_factory=Scale)
     margin: float = 1e-6
@@ -74,9 +77,11 @@ class Stated:
         twice = next((label for label in labels if labels.count(label) > 1), None)
         if twice is not None:
             raise InputError("two constraints of one label", field=self.label, value=twice, expected="different labels")
-        for name in self.boxes:
+        for name in (*self.boxes, *self.bounds):
             if name not in unknowns:
-                raise InputError("box of no unknown", field=self.label, value=name, expected=", ".join(unknowns))
+                raise InputError(
+                    "box or bound of no unknown", field=self.label, value=name, expected=", ".join(unknowns)
+                )
         object.__setattr__(self, "subject_to", tuple(listed))
         object.__setattr__(self, "unknowns", unknowns)
         object.__setattr__(self, "where", definitions)
@@ -108,6 +113,9 @@ class Stated:
             rows = self.case.printed(printed).rows
             low, high = (np.array([[float(getattr(x, end)) for x in row] for row in rows]) for end in ("low", "high"))
             constraints.append(within(floats.unknowns[name], low, high, f"digits of {name}"))
+        for name, bound in self.bounds.items():
+            limit = np.full(floats.unknowns[name].shape, bound)
+            constraints.append(within(floats.unknowns[name], -limit, limit, f"bound on {name}"))
         objective = None if self.minimise is None else floats.value(self.minimise)
         return Program(objective, constraints, self.scale, self.label, self.margin)
 
@@ -118,6 +126,12 @@ class Stated:
     def infimum(self) -> Any:
         """Enclose the infimum: see `gainsay.lmi.infimum`."""
         return lmi.infimum(self.program())
+
+    def point(self, values: Mapping[str, Any]) -> Solved:
+        """Return values found by other means as a point, recomputed; that it holds is for the certificate to say."""
+        program = self.program()
+        check = program.check(values)
+        return Solved(dict(values), check.objective, check, np.nan, ())
 
     def fields(self) -> dict[str, Any]:
         """Return the fields of a certificate of kind ``feasible``, ``farkas`` or ``dual_bound``."""

@@ -225,34 +225,49 @@ class Statement:
         filled_blocks = {place: filled(text) for place, text in self.blocks.items()}
         return replace(self, label=filled(label or self.label), blocks=filled_blocks)
 
-    def defining(self, label: str | None = None, /, **texts: str) -> "Statement":
-        """Return the statement with definitions added or replaced, in their place where they have one."""
+    def defining(
+        self, label: str | None = None, /, unknowns: Mapping[str, Unknown] | None = None, **texts: str
+    ) -> "Statement":
+        """Return the statement with definitions added or replaced, in their place where they have one.
+
+        Parameters
+        ----------
+        label : str, optional
+            Name of the new statement.
+        unknowns : mapping of str to Unknown, optional
+            Those that the definitions bring in.
+        **texts : str
+            Formulas; an unknown that is defined is none any more: a substitution.
+        """
 
         def definitions(case: Any) -> dict[str, str]:
             return {**self.definitions(case), **texts}
 
-        return replace(self, label=label or self.label, where=definitions)
+        kept = {name: unknown for name, unknown in self.unknowns.items() if name not in texts}
+        return replace(self, label=label or self.label, where=definitions, unknowns={**kept, **(unknowns or {})})
 
-    def __lt__(self, other: int) -> Constraint:
+    def __lt__(self, other: int | str) -> Constraint:
         return self._against(other, "<")
 
-    def __le__(self, other: int) -> Constraint:
+    def __le__(self, other: int | str) -> Constraint:
         return self._against(other, "<=")
 
-    def __gt__(self, other: int) -> Constraint:
+    def __gt__(self, other: int | str) -> Constraint:
         return self._against(other, ">")
 
-    def __ge__(self, other: int) -> Constraint:
+    def __ge__(self, other: int | str) -> Constraint:
         return self._against(other, ">=")
 
     def is_zero(self) -> Constraint:
         """Return the equation ``statement == 0``, entry by entry."""
         return self._against(0, "==")
 
-    def _against(self, other: int, relation: Relation) -> Constraint:
-        if type(other) is not int or other != 0:
-            raise InputError("constraint", field=self.label, value=other, expected="0 on the right side")
-        return Constraint(self.label, self.formula, relation, "0", self)
+    def _against(self, other: int | str, relation: Relation) -> Constraint:
+        if not isinstance(other, str) and (type(other) is not int or other != 0):
+            raise InputError("constraint", field=self.label, value=other, expected="0 or a formula on the right side")
+        right = one_line(other) if isinstance(other, str) else "0"
+        parse(right)
+        return Constraint(self.label, self.formula, relation, right, self)
 
 
 def _differing(printed: Statement, other: Statement) -> Iterator[Cell]:

@@ -227,10 +227,13 @@ class Results:
             If the checker refuses the certificate, it concludes on no quantity, or a value lies outside the ends.
         """
         self.certificate(certificate)
-        ends: dict[str, list[tuple[str, float, float]]] = {}
+        ends: dict[str, list[tuple[float, float]]] = {}
+        nearest: dict[str, float] = {}
         for conclusion in certificate.conclusions:
             if conclusion.quantity:
                 ends.setdefault(conclusion.quantity, []).append(_ends(conclusion.relation, conclusion.value))
+                if conclusion.value is not None and ".." not in conclusion.value:
+                    nearest[conclusion.quantity] = float(Fraction(conclusion.value))
         if not ends:
             raise ComputationError(certificate.id, "concludes on no quantity")
         for quantity, found in ends.items():
@@ -238,7 +241,7 @@ class Results:
             proved = [end for end in (upper, lower) if math.isfinite(end)]
             self.quantity(
                 quantity,
-                (values or {}).get(quantity, proved[0] if proved else math.nan),
+                (values or {}).get(quantity, nearest.get(quantity, proved[0] if proved else math.nan)),
                 method=f"certificate {certificate.id}, kind {certificate.kind}",
                 source=source,
                 lower=lower if math.isfinite(lower) and lower != upper else None,

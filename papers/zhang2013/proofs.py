@@ -1,0 +1,307 @@
+"""Certificates of zhang2013: what a floating-point result becomes once it is proved from the tables."""
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
+
+from gainsay.proof import Certificate
+from gainsay.proof.build import certificate
+from gainsay.statements import Stated, Unknown, scalar, symmetric
+from gainsay.tables import Case
+from papers.zhang2013.plant import Spacecraft
+from papers.zhang2013.statements import (
+    MINUS,
+    OFFSETS,
+    PLANT,
+    PRINTED_LOOP,
+    UNKNOWNS_23,
+    corrected_23,
+    equation_23,
+    flexible_loop,
+    theorem_2,
+)
+
+THEOREM_1_ON_FAITH = (
+    "Theorem 1 itself: that (9a) and (9b) imply stability and the norm bound for every admissible delay."
+)
+PRINTED_GAINS = "printed('K')", "printed('L')"
+
+
+def gains_of(design: str) -> tuple[str, str]:
+    """Formulas of K and L of a design."""
+    return f"design('{design}', 'K')", f"design('{design}', 'L')"
+
+
+def enclosure(proved: Certificate) -> dict[str, float]:
+    """Value, lower and upper of the quantity that a certificate encloses; `results.quantity` takes them.
+
+    The ends are the doubles next to the value, where the enclosure is narrower than those.
+    """
+    low, high = next(
+        map(Fraction, str(found.value).split("..")) for found in proved.conclusions if found.relation == "inside"
+    )
+    value = float((low + high) / 2)
+    lower, upper = (np.nextafter(value, end) for end in (-np.inf, np.inf))
+    return {"value": value, "lower": float(min(lower, float(low))), "upper": float(max(upper, float(high)))}
+
+
+def point_for(unknowns: Mapping[str, Unknown], seed: int = 1) -> dict[str, list]:
+    """Small rational values of unknowns, for showing that two formulas differ."""
+    rng = np.random.default_rng(seed)
+    point = {}
+    for name, unknown in unknowns.items():
+        value = rng.integers(1, 9, size=(unknown.rows, unknown.columns))
+        if unknown.structure == "symmetric":
+            value = value + value.T
+        if unknown.rows == unknown.columns:
+            value = value + 10 * np.eye(unknown.rows, dtype=int)  # invertible
+        point[name] = [[Fraction(int(v)) for v in line] for line in value]
+    return point
+
+
+def entries(unknowns: Mapping[str, Unknown]) -> dict[str, dict[str, Any]]:
+    """Unknowns as certificates hold them."""
+    return {name: unknown.entry() for name, unknown in unknowns.items()}
+
+
+def norm_without_delay(case: Case, value: float) -> Certificate:
+    """Bounded real lemma for (7) without delay: the norm is below `value` and the loop stable."""
+    loop = Spacecraft.of(case).design_loop(case.printed("K").exact, case.printed("L").exact)
+    A, B, C = loop.A + loop.A1, loop.B, loop.C
+    P = solve_continuous_are(A, B, C.T @ C + 1e-7 * np.eye(3), -(value**2) * np.eye(2))
+    return certificate(
+        "bounded_real",
+        id="hinf-delay-0",
+        paper=case.name,
+        tables=case,
+        statement="The norm of (7) without delay is below this level, and the loop is stable.",
+        definitions=PRINTED_LOOP,
+        witness={"P": P},
+        fields={"A": "A_bar + A_d", "B": "B_bar", "C": "C_z", "D": "C_d", "gamma": f"{value:.9f}"},
+        quantities={"norm": "audit.hinf.delay_0"},
+    )
+
+
+def negative_form(case: Case) -> Certificate:
+    """On (x, x', x_d, x_M) = (l1 v, -v, l1 v, l1 v) both editions give forms that are positive for every l1 <= 0."""
+    core = [form("a").sub("x", "x'", "x_d", "x_M") for form in (corrected_23, equation_23)]
+    unknowns = {name: UNKNOWNS_23[name] for name in ("P11", "Q11", "Q21", "R1", "X", "M")} | {"l1": scalar()}
+    on = "col(l1 * eye(2), -eye(2), l1 * eye(2), l1 * eye(2))"
+    base = "l1 ** 2 * mu * Q21 - 2 * l1 * P11 + d_M * R1"
+    right = [base, f"{base} + 2 * l1 ** 2 * Q11 - 6 * l1 * R1 / d_M"]
+    return certificate(
+        "identity",
+        id="lambda1-form",
+        paper=case.name,
+        tables=case,
+        statement="On one subspace the left sides of (23a), corrected and printed, are sums of positive definite "
+        "matrices for every lambda1 <= 0: neither can be negative.",
+        definitions={**PLANT, "T": on},
+        unknowns=entries(unknowns),
+        fields={
+            "left": f"diag({', '.join(f'(T.T @ {s.formula} @ T)' for s in core)})",
+            "right": f"diag({', '.join(right)})",
+        },
+        quantities={"identity": "theorem2.negative_lambda1_form"},
+        faith=(
+            "The step from the identity to the sign: for lambda1 <= 0 and d_M, mu > 0 every term of the right sides is "
+            "a non-negative multiple of a positive definite matrix.",
+        ),
+    )
+
+
+def printed_sign_infeasible(case: Case, edition: str, quantity: str) -> Certificate:
+    """(23) has no solution at the printed lambda1 = -0.12: the form of `negative_form` as Farkas multipliers."""
+    l1, d_M, mu = case.exact("lambda1"), case.exact("d_M"), case.exact("mu")
+    z = [Fraction(0)] * 15
+    for row, value in (("x", Fraction(1)), ("x'", -1 / l1), ("x_d", Fraction(1)), ("x_M", Fraction(1))):
+        z[OFFSETS[row]] = value
+    first = [[1, 0], [0, 0]]
+    weights = {"Q21": mu, "P11": -2 / l1, "R1": d_M / l1**2}
+    if edition == "printed":
+        weights |= {"Q11": Fraction(2), "R1": weights["R1"] - 6 / (l1 * d_M)}
+    witness: dict[str, list] = {theorem_2(case, edition).constraints[0].label: [[x * y for y in z] for x in z]}
+    witness |= {f"{name} > 0": [[weight * v for v in line] for line in first] for name, weight in weights.items()}
+    return certificate(
+        "farkas",
+        id=f"lambda1-sign-{edition}",
+        paper=case.name,
+        statement=f"(23), {edition}, has no solution at the printed lambda1 = -0.12.",
+        witness=witness,
+        quantities={"feasible": quantity},
+        **theorem_2(case, edition, l1=MINUS).parts(),
+    )
+
+
+def gamma_floor(case: Case) -> Certificate:
+    """gamma^2 > C2^2 wherever the corrected (23a) holds: a constant w1 that the estimate cancels reaches y undamped."""
+    z = [Fraction(0)] * 15
+    for row, value in (("e", 1), ("e_d", 1), ("e_M", 1), ("w1", -1), ("y", case.exact("C2"))):
+        z[OFFSETS[row]] = Fraction(value)
+    stated = theorem_2(case, g="gamma2").changed(minimise="gamma2")
+    parts = stated.parts()
+    return certificate(
+        "dual_bound",
+        id="gamma-floor",
+        paper=case.name,
+        statement="No design that the corrected (23a) accepts has gamma below |C2|.",
+        witness={stated.constraints[0].label: [[x * y for y in z] for x in z], "Q22 > 0": [[case.exact("mu")]]},
+        quantities={"objective": "theorem2.gamma_squared_floor"},
+        **{**parts, "fields": {**parts["fields"], "bound": "C2 ** 2"}},
+    )
+
+
+def block_diagonal_lyapunov(case: Case) -> Stated:
+    """A Lyapunov matrix diag(plant, observer), the structure of P1 in (25), for the flexible loop without delay."""
+    return Stated(
+        case,
+        ["sym(diag(P11, P12) @ (A_bar + A_d)) < 0", "P11 > 0", "P12 > 0"],
+        unknowns={"P11": symmetric(6), "P12": symmetric(1)},
+        where=flexible_loop(*PRINTED_GAINS),
+        label="(25) flexible",
+    )
+
+
+def abscissa(
+    case: Case, name: str, matrix: str, definitions: Mapping[str, str], quantity: str, statement: str
+) -> Certificate:
+    """Enclosure of a spectral abscissa."""
+    return certificate(
+        "eigenvalues",
+        id=name,
+        paper=case.name,
+        tables=case,
+        statement=statement,
+        definitions=definitions,
+        fields={"matrix": matrix, "measure": "abscissa"},
+        quantities={"abscissa": quantity},
+    )
+
+
+def unstable(
+    case: Case, name: str, matrix: str, definitions: Mapping[str, str], value: np.ndarray, quantity: str, statement: str
+) -> Certificate:
+    """A matrix (formula; `value` its floats) has an eigenvalue in the right half plane."""
+    P = solve_continuous_lyapunov(value.T, -np.eye(len(value)))
+    P = (P + P.T) / 2
+    z = np.linalg.eigh(P)[1][:, :1]
+    return certificate(
+        "unstable",
+        id=name,
+        paper=case.name,
+        tables=case,
+        statement=statement,
+        definitions=definitions,
+        fields={"matrix": matrix, "alpha": "0"},
+        witness={"P": P / np.abs(P).max(), "z": z},
+        quantities={"stable": quantity},
+    )
+
+
+def w1_rms(case: Case, size: str, quantity: str) -> Certificate:
+    """Root mean square of w1 over long times, from the square of its amplitude (formula): positive."""
+    return certificate(
+        "enclosed",
+        id="w1-persists",
+        paper=case.name,
+        tables=case,
+        statement="The root mean square of w1 over long times is positive, at whatever frequency: its energy grows "
+        "linearly with time, so that w1 is not in l2[0, inf) and no bound on its norm holds.",
+        fields={"formula": f"sqrt({size} / 2)", "low": "0"},
+        quantities={"value": quantity},
+    )
+
+
+def larger_than_max(case: Case) -> Certificate:
+    """||w|| may exceed max(delta_1, delta_2) where ||w1|| <= delta_1 and ||w2'|| <= delta_2."""
+    return certificate(
+        "enclosed",
+        id="delta-max",
+        paper=case.name,
+        tables=case,
+        statement="With ||w1|| = delta_1 = 4 and ||w2'|| = delta_2 = 3 the square of ||w|| is above that of "
+        "max(delta_1, delta_2) = 4.",
+        definitions=[("delta_1", "4"), ("delta_2", "3")],
+        fields={"formula": "delta_1 ** 2 + delta_2 ** 2 - delta_1 ** 2", "low": "0"},
+    )
+
+
+def residual_error(case: Case, frequency: str, size: str, quantity: str) -> Certificate:
+    """Amplitude of the periodic estimation error that w1 keeps up without delay, w1 of a tabled frequency.
+
+    `size` is the square of the amplitude of w1 as a formula. Real and imaginary part of the state solve
+    A r + w i = -B, w r - A i = 0.
+    """
+    state = "inverse([[-A_0, -w * eye(7)], [w * eye(7), -A_0]]) @ col(B_bar, zeros(7, 1))"
+    return certificate(
+        "enclosed",
+        id=quantity.replace("audit.", "").replace("_", "-"),
+        paper=case.name,
+        tables=case,
+        statement="Without delay the loop of (1), (4), (6) with the printed gains answers w1 of the frequency "
+        f"{frequency} with an estimation error w2 - w2hat of this amplitude.",
+        definitions={
+            **flexible_loop(*PRINTED_GAINS),
+            "A_0": "A_bar + A_d",
+            "w": f"number('{frequency}')",
+            "H": state,
+            "e_r": "C_z @ H[0:7, 0:1]",
+            "e_i": "C_z @ H[7:14, 0:1]",
+        },
+        fields={"formula": f"sqrt({size} * (e_r ** 2 + e_i ** 2))", "low": "0"},
+        quantities={"value": quantity},
+    )
+
+
+def differing(
+    case: Case,
+    name: str,
+    statement: str,
+    left: str,
+    right: str,
+    unknowns: Mapping[str, Unknown],
+    definitions: Mapping[str, str] | None = None,
+    quantity: str = "",
+) -> Certificate:
+    """Certificate that two formulas are not the same: values of their unknowns at which they differ."""
+    return certificate(
+        "different",
+        id=name,
+        paper=case.name,
+        tables=case,
+        statement=statement,
+        unknowns=entries(unknowns),
+        witness=point_for(unknowns),
+        definitions=definitions or {},
+        fields={"left": left, "right": right},
+        quantities={"identity": quantity} if quantity else {},
+    )
+
+
+def identical(
+    case: Case,
+    name: str,
+    statement: str,
+    left: str,
+    right: str,
+    unknowns: Mapping[str, Unknown],
+    quantity: str,
+    definitions: Mapping[str, str] | None = None,
+    faith: Sequence[str] = (),
+) -> Certificate:
+    """Certificate that two formulas agree for every value of their unknowns; `faith` names what it leaves to prose."""
+    return certificate(
+        "identity",
+        id=name,
+        paper=case.name,
+        tables=case,
+        statement=statement,
+        unknowns=entries(unknowns),
+        definitions=definitions or {},
+        fields={"left": left, "right": right},
+        quantities={"identity": quantity},
+        faith=faith,
+    )
