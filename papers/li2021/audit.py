@@ -95,7 +95,7 @@ def open_loop(case: Case, results: Results) -> None:
                      method="eigenvalues of A0 with a real part above 1e-9 1/s", source="Figure 3")  # fmt: skip
     P, z = unstable_witness(A)
     results.certificate(build.certificate(
-        "unstable", id="open-loop-unstable", paper=case.name, tables=case, claims=("fig3-open-loop-unstable",),
+        "unstable", id="open-loop-unstable", paper=case.name, tables=case,
         statement="A0 has an eigenvalue in the open right half plane.", definitions=PLANT,
         fields={"matrix": "A0", "alpha": "1e-6"}, witness={"P": P, "z": z},
         quantities={"abscissa": "audit.open_loop.abscissa", "stable": "audit.open_loop.stable"},
@@ -121,19 +121,15 @@ def certify_nominal(case: Case, results: Results, name: str, norm: float, reach:
     definitions = (*PLANT, *FORMULAS[name], *LOOP)
     tight = Disk(disk.centre, float(f"{reach + 2e-4:.4f}"))
     shared = {"paper": case.name, "tables": case, "definitions": definitions}
-    claims = {
-        "proposed": (("fig3-poles",), ("requirement2-proposed",)),
-        "comparison": ((), ("comparison-norm",)),
-    }
     results.certificate(build.certificate(
-        "stein", id=f"{name}-disk", claims=claims[name][0],
+        "stein", id=f"{name}-disk",
         statement=f"The poles of (10) with the printed {name} gains lie in D({disk.centre}, {tight.radius}).",
         fields={"matrix": "Acl", "shift": "number('disk_centre')", "radius": str(tight.radius)},
         witness={"P": tight.lyapunov_matrix(A)}, quantities={"radius": f"audit.{name}.disk_radius"}, **shared,
     ))  # fmt: skip
     gamma = float(f"{norm * (1 + 2e-5):.6g}")
     results.certificate(build.certificate(
-        "bounded_real", id=f"{name}-norm", claims=claims[name][1],
+        "bounded_real", id=f"{name}-norm",
         statement=f"The norm from d~ to y of (10) with the printed {name} gains is below {gamma}.",
         fields={"A": "Acl", "B": "Bcl", "C": "Ccl", "gamma": f"{gamma}"},
         witness={"P": bounded_real_certificate_matrix(A, B, C, None, gamma)},
@@ -160,7 +156,7 @@ def flexible_loop(case: Case, results: Results) -> None:
     shared = {"paper": case.name, "tables": case, "definitions": (*PLANT, *PRINTED, *FLEXIBLE)}
     alpha, radius = -0.006, 1.2
     results.certificate(build.certificate(
-        "lyapunov", id="flexible-stable", claims=("flexible-stable",),
+        "lyapunov", id="flexible-stable",
         statement=f"Every pole of (6) with the printed proposed gains has a real part below {alpha}.",
         fields={"matrix": "loop", "alpha": str(alpha)}, witness={"P": HalfPlane(alpha).lyapunov_matrix(loop)},
         quantities={"abscissa": "audit.proposed.flexible_abscissa"}, **shared,

@@ -132,9 +132,7 @@ def _witness(part: str, P: np.ndarray, multipliers: np.ndarray) -> dict:
     return {f"{part}.P": (P + P.T) / 2} | {f"{part}.D{i}": [[float(x)]] for i, x in enumerate(multipliers, start=1)}
 
 
-def certificate(
-    case, name: str, formulas, evidence: Evidence, *, quantity: str, claims=(), statement: str
-) -> Certificate:
+def certificate(case, name: str, formulas, evidence: Evidence, *, quantity: str, statement: str) -> Certificate:
     """All three requirements at evidence.delta_m, exactly; concludes quantity >= delta_m.
 
     Parameters
@@ -146,7 +144,6 @@ def certificate(
         Formulas of Af, Bf, Cf.
     evidence : Evidence
     quantity : str
-    claims : tuple of str
     """
     channels = {"H": "H", "Cz": "Cz", "Dw": "Dw", "blocks": list(BLOCKS)}
     disk = {"A": "Acl", **channels, "shift": "a", "radius": "b"}
@@ -164,7 +161,6 @@ def certificate(
         id=name,
         paper=case.name,
         tables=case,
-        claims=claims,
         statement=statement,
         definitions=[("dm", repr(evidence.delta_m)), *PLANT, *UNCERTAIN, *formulas, *CHANNELS],
         fields={

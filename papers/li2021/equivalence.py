@@ -50,7 +50,6 @@ def certificate(case, values: Mapping[str, np.ndarray]) -> Certificate:
         id="eq13-feasible-elsewhere",
         paper=case.name,
         tables=case,
-        claims=("theorem2-equivalent",),
         statement=f"(13) has a solution at Table 1's lambda, gamma and eps1 with eps2 = {EPS2}, delta_m = {DELTA_M}.",
         definitions=(*PLANT, *UNCERTAIN, *SCALARS),
         unknowns={**symmetric(S=6, N=6), **full(Fa=(6, 6), Fb=(6, 3), Cf=(3, 6))},

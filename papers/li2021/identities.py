@@ -48,7 +48,6 @@ def reduction(case) -> Certificate:
         id="eq7-reduction",
         paper=case.name,
         tables=case,
-        claims=("eq7-reduction",),
         statement="With eta'' from its second equation (6) is (7) with d~ = F'Cm eta' + F'Lambda eta + d.",
         definitions=(*PLANT, ("Cm", f"diag({damping})"), ("Lambda", f"diag({stiffness})")),
         unknowns=full(q=(3, 1), v=(3, 1), acc=(3, 1), eta=(4, 1), rate=(4, 1)),
@@ -67,7 +66,6 @@ def completed_square(case) -> Certificate:
         id="lemma2-square",
         paper=case.name,
         tables=case,
-        claims=("lemma-2",),
         statement="(T + l^2 G)(T + l^2 G)' - 2 l^2 (T G' + G T') = (T - l^2 G)(T - l^2 G)' at size 2.",
         unknowns={**full(T=(2, 2), G=(2, 2)), "l": {}},
         fields={
@@ -89,7 +87,6 @@ def negative_multiplier(case) -> Certificate:
         id="lemma1-negative-mu",
         paper=case.name,
         tables=case,
-        claims=("lemma-1-sign",),
         statement="With Y = 0, H = E = 1, mu = -1: Y + H H'/mu + mu E'E < 0, yet Y + H F E + (H F E)' > 0 for F = 1.",
         unknowns={"Y": {}, "f": {}},
         fields={

@@ -88,7 +88,6 @@ def disk_block(case, S: np.ndarray | None = None) -> Certificate:
         id="eq17-infeasible",
         paper=case.name,
         tables=case,
-        claims=("theorem2-feasible",),
         statement="Rows 1a and 5a of (17), [[-(b^2/a) S + C'C, (A0 + aI)'S], [., -aS]] < 0, have no solution S > 0: "
         "they ask for the open-loop poles in D(a, b). No scalar of (17) and no other unknown enters them.",
         definitions=PLANT,
@@ -134,16 +133,13 @@ def lemma3_uncertain_blocks(lam: str, gamma: str, eps1: str) -> str:
 LEMMA3_UNKNOWNS = {**symmetric(X=6, Y=6), **full(Ah=(6, 6), Bh=(6, 3), Ch=(3, 6)), "g2": {}}
 
 
-def lemma3_point(
-    case, name: str, values: Mapping, lam: str, *, quantity: str, claims=(), uncertain=False
-) -> Certificate:
+def lemma3_point(case, name: str, values: Mapping, lam: str, *, quantity: str, uncertain=False) -> Certificate:
     """Gains exist with (12) at lambda: a point; its g2 bounds the square of the least gamma from above."""
     form = lemma3_uncertain_blocks(lam, "g2", "number('eps1')") if uncertain else lemma3_blocks(lam, "g2")
     return build.feasible_point(
         id=name,
         paper=case.name,
         tables=case,
-        claims=claims,
         statement=f"(12) has a solution over all gains at lambda = {lam} with gamma^2 = g2.",
         definitions=(*PLANT, *UNCERTAIN),
         unknowns=LEMMA3_UNKNOWNS,
@@ -203,7 +199,6 @@ def theorem1(case, multiplier: np.ndarray, divided: bool) -> Certificate:
         id="eq13-infeasible-divided" if divided else "eq13-infeasible",
         paper=case.name,
         tables=case,
-        claims=("theorem1-feasible-divided" if divided else "theorem1-feasible",),
         statement=f"(13) has no solution at Table 1's scalars, eps2 read as {reading}: all rows but one border, times "
         "X = S^-1, are linear in X, Y = S - N, Fb, Ch = C_f X and a free block, and infeasible.",
         definitions=(*PLANT, *UNCERTAIN, *scalars),
@@ -229,7 +224,6 @@ def lemma4_against_lemma3(case, multipliers: Mapping[str, np.ndarray]) -> Certif
         id="eq19-against-eq12",
         paper=case.name,
         tables=case,
-        claims=("theorem3-printed-gains",),
         statement="No S and Y = S - N satisfy both (19) with the printed C_f and rows 1 and 2 of (12) at lambda = 1 "
         "with the structured P of Theorem 1: already the rows of the rates exclude each other.",
         definitions=(*PLANT, ("theta", "number('theta')")),
@@ -271,7 +265,6 @@ def printed_gains_fail(case, multiplier: np.ndarray) -> Certificate:
         id="eq12-printed-infeasible",
         paper=case.name,
         tables=case,
-        claims=("eq12-printed-gains",),
         statement="With the printed gains and the paper's lambda, (12) has no solution even without its row of d~.",
         definitions=(*PLANT, *PRINTED_LOOP),
         unknowns=symmetric(P=12),

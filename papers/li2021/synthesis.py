@@ -76,7 +76,7 @@ def start_ellipsoid(case: Case, results: Results) -> None:
         ("b", "b"): "-Y",
     })  # fmt: skip
     results.certificate(build.certificate(
-        "feasible", id="eq20-no-bound", paper=case.name, tables=case, claims=("eq20-start",),
+        "feasible", id="eq20-no-bound", paper=case.name, tables=case,
         statement="S > 0 and Y = S - N > S satisfy (20) for Table 1's x(0) and theta, although x(0)'Y x(0) > 2 theta: "
         "(B.5) bounds xi(0)'P^-1 xi(0).",
         definitions=(("theta", "number('theta')"), ("x0", "printed('x0')")), unknowns=proofs.symmetric(S=6, Y=6),
@@ -221,13 +221,13 @@ def printed_gains(case: Case, results: Results) -> None:
     results.say("(12), printed gains", f"no P at lambda = 1; least gamma {np.sqrt(found.value):.6f} at lambda = 3")
 
 
-def certify_levels(case: Case, results: Results, name: str, gains, formulas, found: Design, claims=()) -> None:
+def certify_levels(case: Case, results: Results, name: str, gains, formulas, found: Design) -> None:
     """Prove all three requirements at the levels of a search: by arcs, and with one matrix for the disk."""
     quantity = f"certified.{name}.delta_m"
     level, alone = (float(found[entry][0, 0]) for entry in ("level", "level_quadratic"))
     evidence = certify.gather(case, gains, level)
     results.certificate(certify.certificate(
-        case, f"{name}-delta-m", formulas, evidence, quantity=quantity, claims=claims,
+        case, f"{name}-delta-m", formulas, evidence, quantity=quantity,
         statement=f"The {name} gains meet disk, norm and torque for gain variations up to dm, inertia included.",
     ))  # fmt: skip
     method = f"certified; disk: {len(evidence.scales)} arcs; norm and torque: one quadratic function each"
@@ -246,9 +246,7 @@ def certify_levels(case: Case, results: Results, name: str, gains, formulas, fou
 def printed_limit(case: Case, results: Results) -> None:
     """Gain variation for which the printed gains are proved to meet all three requirements."""
     gains = plant.controller(case, "proposed")
-    certify_levels(
-        case, results, "printed", gains, certify.PRINTED, case.designs["printed_levels"], ("theorem3-requirements",)
-    )
+    certify_levels(case, results, "printed", gains, certify.PRINTED, case.designs["printed_levels"])
 
 
 @task("our designs")

@@ -38,7 +38,7 @@ def _identity(case, results, quantity: str, statement: str, names: str, left: st
         unknowns=_names(names), definitions=more.get("definitions", {}),
         witness={name: MEETING.get(name, "1") for name in names.split()} if "modulo" in more else {},
         fields={"left": left, "right": right} | ({"modulo": more["modulo"]} if "modulo" in more else {}),
-        quantities={"identity": quantity}, claims=_claims(case, quantity),
+        quantities={"identity": quantity},
     )  # fmt: skip
     results.certificate(certificate)
     results.quantity(quantity, 1, method="identity of polynomials, certified", source=more.get("source", ""))
@@ -49,13 +49,9 @@ def _different(case, results, quantity: str, statement: str, left: str, right: s
     results.certificate(build.certificate(
         "different", id=quantity.replace(".", "-").replace("_", "-"), paper=case.name, tables=case, statement=statement,
         unknowns=_names(" ".join(witness)), witness=witness, fields={"left": left, "right": right},
-        quantities={"identity": quantity}, claims=_claims(case, quantity),
+        quantities={"identity": quantity},
     ))  # fmt: skip
     results.quantity(quantity, 0, method="both sides evaluated exactly where they differ, certified", source=source)
-
-
-def _claims(case, quantity: str) -> list[str]:
-    return [claim.id for claim in case.claims.values() if claim.quantity == quantity]
 
 
 @task("(1) to (8)")
@@ -200,7 +196,7 @@ def _certify_vertices(case, results, name, level, design, group, worst) -> None:
         "lyapunov", id=f"robust-{design.replace('_', '-')}-{group.replace('_', '-')}", paper=case.name, tables=case,
         statement=f"The loop {design}, {group}, is stable for every change of the moments within 10 %, with one P.",
         definitions=definitions, fields={"matrix": texts, "alpha": f"{alpha:.6g}"}, witness={"P": P},
-        quantities={"abscissa": quantity}, claims=_claims(case, quantity),
+        quantities={"abscissa": quantity},
         faith=("That every closed loop of the box is a convex combination of the vertices: each row of (8) is affine"
                " in 1/I of its axis and in each moment that it multiplies.",),
     ))  # fmt: skip

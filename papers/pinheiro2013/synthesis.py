@@ -205,7 +205,7 @@ def as_printed(case, results):
     multiplier = np.zeros((9, 9))
     multiplier[6:, 6:] = np.eye(3)
     results.certificate(build.farkas(
-        id="eq21-as-printed-infeasible", paper=case.name, tables=case, claims=_claims(case, "eq21-printed"),
+        id="eq21-as-printed-infeasible", paper=case.name, tables=case,
         statement="No X and Y satisfy the first LMI of (21) with +gamma^2 I in block (3,3), at gamma = 2 for pitch, B.",
         definitions=formulas.pitch("b"), unknowns=_unknowns(2, 1),
         fields={"constraints": [["(21)", _first_lmi("number('gamma_mixed')**2", "")]]},
@@ -246,13 +246,13 @@ def certified(case, results):
         }  # fmt: skip
         constraints = _lmis(group, "number('gamma_mixed')**2")
         results.certificate(build.feasible_point(
-            id=f"eq21-feasible-{group}", claims=_claims(case, f"eq21-corrected-{group}"), **shared,
+            id=f"eq21-feasible-{group}", **shared,
             statement=f"(21) with -gamma^2 I in block (3,3) has a solution at gamma = 2, {group}, reconstruction B.",
             fields={"constraints": constraints, "minimise": "trace(Q)"}, point=found.solved.values,
             quantities={"feasible": f"b.gamma_2.feasible.{group}", "objective": f"b.gamma_2.trace.{group}"},
         ))  # fmt: skip
         results.certificate(build.dual_bound(
-            id=f"eq21-least-trace-{group}", **shared, claims=(),
+            id=f"eq21-least-trace-{group}", **shared,
             statement=f"No solution of (21) corrected at gamma = 2, {group}, B, has a smaller trace of Q than stated.",
             fields={"constraints": constraints, "minimise": "trace(Q)"}, multipliers=found.multipliers,
             quantities={"objective": f"b.gamma_2.trace.{group}"},
@@ -276,7 +276,6 @@ def bounds(case, results):
             gamma = case.number(parameter)
             results.certificate(build.certificate(
                 "bounded_real", id=f"eq23-hinf-{name}-{short}-{group}", paper=case.name, tables=case,
-                claims=_claims(case, f"eq23-hinf-{name}-{short}-{group}"),
                 statement=f"The H-infinity norm from w to z_inf is below gamma = {gamma:g}, {group}, {name.upper()}.",
                 definitions=formulas.closed(name, group, f"design('{name}_{short}', 'K_{group}')"),
                 fields={"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11", "gamma": f"number('{parameter}')"},
@@ -284,10 +283,6 @@ def bounds(case, results):
                 quantities={"norm": f"{name}.{level}.hinf.{group}"},
             ))  # fmt: skip
     results.say("(23)", "H-infinity bounds certified for twelve loops")
-
-
-def _claims(case, claim: str) -> list[str]:
-    return [claim] if claim in case.claims else []
 
 
 @task("gamma_min, certified")

@@ -80,7 +80,6 @@ def factorisation(case: Case, results: Results) -> None:
             id="eq3-factorisation",
             paper=case.name,
             tables=case,
-            claims=("eq3-factorisation",),
             statement="Delta A of (2) equals E1 Lambda E2 of (42) for every e, n and M (s = sin M, c = cos M).",
             unknowns={"e": {}, "n": {}, "s": {}, "c": {}},
             definitions=(
@@ -108,7 +107,6 @@ def factorisation(case: Case, results: Results) -> None:
             id="eq3-strict-bound",
             paper=case.name,
             tables=case,
-            claims=("eq3-strict-bound",),
             statement="Lambda' Lambda < I fails at M = 0: its third diagonal entry cos M is then 1.",
             definitions=(("Lambda", "diag(0, 0, 1, 1, -0.5, 1)"),),
             fields={"constraint": "eye(6) - Lambda.T @ Lambda > zeros(6, 6)"},
@@ -152,7 +150,6 @@ def observer_poles(case: Case, results: Results) -> None:
                 id=f"eq40-pole-pair-{number}",
                 paper=case.name,
                 tables=case,
-                claims=("eq40-poles",),
                 statement=f"{row[0].text} + j{row[1].text} is no pole of A - LC for any L, n that round as printed.",
                 definitions=(("n", "interval(0.001125, 0.001135)"), ("A", A_FORMULA), ("L", "box('L')")),
                 fields={"matrix": "A - L @ printed('C')", "real": row[0].text, "imaginary": row[1].text},
@@ -172,17 +169,16 @@ def observer_poles(case: Case, results: Results) -> None:
 
 
 def half_plane(
-    case: Case, claim: str, named: tuple[str, str], matrix: np.ndarray, alpha: str, quantity: str
+    case: Case, id: str, named: tuple[str, str], matrix: np.ndarray, alpha: str, quantity: str
 ) -> Certificate:
     """Return a certificate that a matrix, by name and formula, has its spectrum left of alpha (decimal text)."""
     name, formula = named
     shifted = matrix - float(alpha) * np.eye(len(matrix))
     return build.certificate(
         "lyapunov",
-        id=claim,
+        id=id,
         paper=case.name,
         tables=case,
-        claims=(claim,),
         statement=f"Every eigenvalue of {name}, with the printed gains, has a real part below {alpha} 1/s.",
         definitions=DEFINITIONS,
         fields={"matrix": formula, "alpha": alpha},

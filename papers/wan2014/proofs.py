@@ -1,6 +1,6 @@
 """Certificates of the synthesis: what is proved of the paper's inequalities, its printed digits and the designs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ from papers.wan2014.formulas import (
 from papers.wan2014.plant import AXES
 
 
-def infeasible_14(case: Case, solution: Mapping[str, Any], *, claims: Sequence[str] = ()) -> Certificate:
+def infeasible_14(case: Case, solution: Mapping[str, Any]) -> Certificate:
     """Prove that (14) has no solution, for any e, m, Q, R; (15), (30), (31), (37) are not even needed.
 
     Parameters
@@ -64,7 +64,6 @@ def infeasible_14(case: Case, solution: Mapping[str, Any], *, claims: Sequence[s
         },
         multipliers={"(14)": V, "X": W, "eps": [[float(np.trace(both.T @ V[:12, :12] @ both))]]},
         quantities={"feasible": "eq14.feasible"},
-        claims=claims,
         faith=["That a program with (14) among its constraints, such as (38), has no solution where (14) has none."],
     )
 
@@ -76,7 +75,7 @@ def _floats(case: Case) -> tuple[np.ndarray, np.ndarray]:
     return problem.model.A, problem.observer
 
 
-def wrong_diagonal(case: Case, *, claims: Sequence[str] = ()) -> Certificate:
+def wrong_diagonal(case: Case) -> Certificate:
     """Prove that the printed X contradicts block (2,2) of (14): its entry in row 4 is positive for all its digits."""
     return build.certificate(
         "farkas",
@@ -92,7 +91,6 @@ def wrong_diagonal(case: Case, *, claims: Sequence[str] = ()) -> Certificate:
         },
         witness={"row 4": "1", "eps": _square_of_row(case)},
         quantities={"feasible": "eq14.printed_diagonal_negative"},
-        claims=claims,
     )
 
 
@@ -156,7 +154,6 @@ def cost_certificate(
     *,
     id: str,
     quantity: str,
-    claims: Sequence[str] = (),
     stable: str | None = None,
 ) -> Certificate:
     """Prove stability and a bound on J from xi(0), for every |Lambda_ii| <= 1, also time-varying.
@@ -181,12 +178,11 @@ def cost_certificate(
         fields=SYSTEM | {"Q": "weight", "cost": f"{bound * (1 + 1e-8):.10e}"},
         witness=_quadratic_witness(solution),
         quantities=quantities,
-        claims=claims,
     )
 
 
 def thrust_certificate(
-    case: Case, gain: str, solution: Mapping[str, Any], axis: int, *, id: str, quantity: str, claims: Sequence[str] = ()
+    case: Case, gain: str, solution: Mapping[str, Any], axis: int, *, id: str, quantity: str
 ) -> Certificate:
     """Prove a bound on the thrust along an axis from xi(0); `solution` is that of `lmis.thrust_bound`."""
     bound = float(np.sqrt(solution["square"])) * (1 + 1e-7)
@@ -200,7 +196,6 @@ def thrust_certificate(
         fields=SYSTEM | {"inputs": [{"of": "thrust", "row": f"k[{axis},0:12]", "bound": f"{bound:.10e}"}]},
         witness=_quadratic_witness(solution),
         quantities={"thrust": quantity},
-        claims=claims,
     )
 
 
@@ -226,7 +221,6 @@ def corrected_14(case: Case, solution: Mapping[str, Any]) -> Certificate:
         },
         witness={**printed.witness, "(14)": rows},
         conclusions=(),
-        claims=(),
     )
     return build.finish(draft, case, {"feasible": "eq14_corrected.feasible"})
 

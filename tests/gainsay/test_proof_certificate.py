@@ -17,14 +17,11 @@ from gainsay.proof.certificate import _digest
 from gainsay.tables import read_case
 from gainsay.tables.designs import FoundDesign, read_design, write_design
 
-CLAIM = {"comparator": "holds", "quantity": "loop.abscissa", "published": "", "unit": "1"}
-
 
 def tables(**changes):
     entries = {
         "numbers": {"k": "2", "other": "5"},
         "printed": {"c": [["3.00"]]},
-        "claims": {"stable": CLAIM},
         "designs": {("repaired", "K"): [[0.1]]},
     }
     return MappingTables(**{**entries, **changes})
@@ -37,7 +34,6 @@ def example():
         paper="spring",
         statement="The loop is stable.",
         tables=tables(),
-        claims=["stable"],
         definitions={"k": "number('k')", "A": "[[0, 1], [-k, -printed('c')]]"},
         fields={"matrix": "A + 0*design('repaired', 'K')[0,0]*eye(2)", "alpha": "-0.3"},
         # A'P + PA = -2 I for A = [[0, 1], [-2, -3]] in closed form
@@ -85,7 +81,6 @@ PARTS = [
     ("statement", "Another sentence."),
     ("definitions", []),
     ("precision", 200),
-    ("claims", []),
     ("paper", "other"),
     ("faith", []),
     ("witness", {}),
@@ -113,7 +108,6 @@ def test_changed_data_are_named():
     assert "2.1" in message
     assert "row 1, column 1" in refusal(changed(example(), ["data", "printed", "c", 0, 0], "3.1"))
     assert "'repaired.K'" in refusal(changed(example(), ["data", "design", "repaired.K", 0, 0], "0.2"))
-    assert "comparator" in refusal(changed(example(), ["data", "claims", "stable", "comparator"], "fails"))
 
 
 @pytest.mark.parametrize(
@@ -124,8 +118,6 @@ def test_changed_data_are_named():
         ("printed", {"c": [["3.01"]]}, "'c'"),
         ("printed", {"c": [["3.00", "1"]]}, "'c'"),
         ("designs", {("repaired", "K"): [[0.2]]}, "repaired.K"),
-        ("claims", {"stable": {**CLAIM, "comparator": "fails"}}, "'stable'"),
-        ("claims", {}, "'stable'"),
     ],
 )
 def test_changed_tables_are_named(part, value, named):
@@ -180,7 +172,6 @@ def test_a_formula_that_reads_something_else_is_refused():
         (["witness", "P", 0, 0], "one", "exact number"),
         (["witness", "P"], "1", "shape"),
         (["witness"], {"Q": [["1"]]}, "'P'"),
-        (["claims"], ["unheard"], "'unheard'"),
     ],
 )
 def test_malformed_parts_are_named(path, value, named):
@@ -195,7 +186,7 @@ def test_malformed_parts_are_named(path, value, named):
         "{}",
         "null",
         '{"format": "gainsay certificate"}',
-        '{"format": "gainsay certificate", "version": 2}',
+        '{"format": "gainsay certificate", "version": 3}',
         "NaN",
     ],
 )
@@ -267,8 +258,7 @@ def test_checking_imports_no_solver_and_no_paper():
     text = example().to_json()
     code = (
         "import sys; from gainsay.proof import Certificate, MappingTables, check;"
-        "t = MappingTables({'k': '2'}, {'c': [['3.00']]}, {('repaired', 'K'): [[0.1]]},"
-        f" {{'stable': {CLAIM!r}}});"
+        "t = MappingTables({'k': '2'}, {'c': [['3.00']]}, {('repaired', 'K'): [[0.1]]});"
         "print(len(check(Certificate.from_json(sys.stdin.read()), t).conclusions));"
         "bad = {'cvxpy', 'clarabel', 'scipy', 'papers', 'numpy'} & {m.split('.')[0] for m in sys.modules};"
         "print(sorted(bad))"
@@ -344,17 +334,17 @@ def test_checking_a_file_imports_no_solver_and_no_paper(tmp_path):
     assert run.stdout.strip() == "[]", run.stderr
 
 
-def test_a_claim_needs_a_conclusion_on_its_quantity():
-    other = (Conclusion("loop.stable", "holds", None, "stable"),)
-    with pytest.raises(CertificateError, match=r"about 'loop\.abscissa'"):
-        check(example().changed(conclusions=other), tables())
+def test_a_certificate_names_no_claim():
+    body = {**json.loads(example().to_json()), "claims": ["stable"]}
+    with pytest.raises(CertificateError, match="unknown key 'claims'"):
+        Certificate.from_json(json.dumps(body))
 
 
 def test_designs_are_read_from_the_tables_exactly(tmp_path):
     def case(second):
         found = FoundDesign("one", "picked", {"K": np.array([[0.1, second]])}, True, {})
         designs = {"repaired": read_design(write_design(tmp_path, "repaired", found))}
-        return SimpleNamespace(designs=designs, root=tmp_path, name="spring", quantities={"gain": None}, claims={})
+        return SimpleNamespace(designs=designs, root=tmp_path, name="spring", quantities={"gain": None})
 
     certificate = build.certificate(
         "enclosed",

@@ -152,8 +152,8 @@ def test_keys_stand_once():
     assert "twice" in refused(text.replace('"constraint":', '"constraint": "0 > 1", "constraint":'))
 
 
-@pytest.mark.parametrize("version", [True, 1.0, "1", 2, None, [1]])
-def test_the_version_is_the_integer_one(version):
+@pytest.mark.parametrize("version", [True, 2.0, "2", 1, 3, None, [2]])
+def test_the_version_is_the_integer_two(version):
     plain = body("definite", {"constraint": "1 > 0"})
     text = json.dumps({**plain, "version": version, "digest": _digest({**plain, "version": version})})
     refused(text)
@@ -163,9 +163,9 @@ CONTROL = ["a\nb", "a\rb", "a\x1b[2Jb", "a\x00b", "a\u202eb", "a\ud800b", "a\u20
 
 
 @pytest.mark.parametrize("text", CONTROL)
-@pytest.mark.parametrize("part", ["statement", "faith", "claims", "id", "conclusions"])
+@pytest.mark.parametrize("part", ["statement", "faith", "id", "conclusions"])
 def test_texts_show_what_they_hold(part, text):
-    value = {"faith": [text], "claims": [text], "conclusions": [
+    value = {"faith": [text], "conclusions": [
         {"of": "definite", "quantity": text, "relation": "holds", "value": None}
     ]}.get(part, text)  # fmt: skip
     plain = {**body("definite", {"constraint": "1 > 0"}), part: value}
@@ -251,7 +251,7 @@ def test_nested_json_and_large_files_are_refused():
         refused(text)
     plain = body("definite", {"constraint": "1 > 0"})
     assert "nested" in refused(json.dumps({**plain, "data": json.loads('{"a":' * 20 + "1" + "}" * 20), "digest": ""}))
-    assert "values" in refused(json.dumps({**plain, "claims": ["a"] * 300_000, "digest": ""}))
+    assert "values" in refused(json.dumps({**plain, "faith": ["a"] * 300_000, "digest": ""}))
     assert "at most" in refused(" " * (LARGEST_FILE + 1))
 
 

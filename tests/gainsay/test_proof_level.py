@@ -8,7 +8,7 @@ from gainsay.errors import CertificateError
 from gainsay.proof import MappingTables, build, check
 
 TABLES = MappingTables(
-    numbers={"radius": "1.5", "gamma": "2"}, printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]]}, claims={}
+    numbers={"radius": "1.5", "gamma": "2"}, printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]]}
 )
 A = np.array([[0.0, 1.0], [-2.0, -3.0]])
 CHANNELS = {"A": "A", "H": "col(0, level)", "Cz": "row(1, 0)", "blocks": [["repeated", 1]]}
@@ -66,7 +66,7 @@ def test_every_part_speaks_of_the_level():
     # what the parts read is among the data: another table is another certificate
     assert set(certificate.data) == {"number", "printed"}
     other = MappingTables(
-        numbers={"radius": "1.4", "gamma": "2"}, printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]]}, claims={}
+        numbers={"radius": "1.4", "gamma": "2"}, printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]]}
     )
     with pytest.raises(CertificateError, match="radius"):
         check(certificate, other)

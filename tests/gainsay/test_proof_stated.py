@@ -15,7 +15,6 @@ LYAPUNOV = Certificate(
     definitions=(("A", "printed('A')"),),
     unknowns={},
     witness={"P": [["1", "0"], ["0", "1"]]},
-    claims=("stable",),
     conclusions=(Conclusion("loop.abscissa", "less_than", "-0.3", "abscissa"),),
     data={"printed": {"A": [["-1", "0"], ["0", "-2"]]}},
 )
@@ -60,7 +59,6 @@ def test_what_a_search_finds_changes_nothing(parts):
         {"fields": {"matrix": "A.T", "alpha": "-0.3"}},
         {"fields": {"matrix": "2", "alpha": "-0.3"}},
         {"fields": {"matrix": "A", "alpha": "number('alpha')"}},
-        {"claims": ()},
         {"conclusions": ()},
         {"conclusions": (Conclusion("loop.abscissa", "at_most", "-0.3", "abscissa"),)},
         {"conclusions": (Conclusion("other.abscissa", "less_than", "-0.3", "abscissa"),)},

@@ -83,7 +83,6 @@ def certificate(
     definitions: Iterable[tuple[str, str]] | Mapping[str, str] = (),
     unknowns: Mapping[str, Mapping[str, Any]] | None = None,
     witness: Mapping[str, Any] | None = None,
-    claims: Sequence[str] = (),
     quantities: Mapping[str, str] | None = None,
     faith: Sequence[str] = (),
     precision: int = 128,
@@ -95,7 +94,7 @@ def certificate(
     ----------
     kind : str
         Module of `gainsay.proof.kinds`.
-    id, paper, statement, claims, definitions, unknowns, fields, faith, precision
+    id, paper, statement, definitions, unknowns, fields, faith, precision
         As in the certificate; definitions as pairs or a mapping in order.
     tables : gainsay.tables.Case or any `gainsay.proof.scope.Tables`
     witness : mapping of str to array_like
@@ -123,7 +122,6 @@ def certificate(
         fields=fields,
         definitions=_pairs(definitions),
         unknowns=unknowns or {},
-        claims=tuple(claims),
         faith=(*ON_FAITH, *faith),
         precision=precision,
     )

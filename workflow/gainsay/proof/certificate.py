@@ -1,12 +1,11 @@
 """The certificate: a JSON file that states something, names its data, and holds an exact witness.
 
-Format, version 1 (keys sorted, two spaces, UTF-8, a final newline; the same certificate gives the same bytes):
+Format, version 2 (keys sorted, two spaces, UTF-8, a final newline; the same certificate gives the same bytes):
 
 ============== ==========================================================================================
 ``format``      "gainsay certificate"
-``version``     1
+``version``     2
 ``id, paper``   the certificate's own id, and the paper's folder name
-``claims``      ids of the claims that it bears on
 ``statement``   one sentence for people; that it says what the conclusions say is on faith
 ``kind``        the kind of proof: a module of `gainsay.proof.kinds`, whose docstring states the theorem
 ``precision``   bits of the balls
@@ -16,7 +15,7 @@ Format, version 1 (keys sorted, two spaces, UTF-8, a final newline; the same cer
 ``fields``      the kind's own fields: formulas, constraints, bounds
 ``witness``     name -> matrix of exact rationals as text ("-8.8129e-4", "1/3"), in nested lists
 ``data``        every table entry read, with its value: {"number": {name: text}, "printed": {name: rows},
-                "half_units": {name: rows}, "design": {"name.entry": rows}, "claims": {id: {column: text}}}
+                "half_units": {name: rows}, "design": {"name.entry": rows}}
 ``conclusions`` list of {"of", "quantity", "relation", "value"}: `of` is what the kind proves something about
                 ("norm", "cost", ...), `quantity` the id it is in quantities.csv ("" where it is about the
                 certificate's formulas alone); value exact text or null; at least one
@@ -45,12 +44,12 @@ from gainsay.errors import CertificateError
 
 __all__ = ["RELATIONS", "Certificate", "Conclusion", "plain"]
 
-FORMAT, VERSION = "gainsay certificate", 1
+FORMAT, VERSION = "gainsay certificate", 2
 #: bytes of a file, values in it, levels of nesting, characters of a text
 LARGEST_FILE, MOST_VALUES, DEEPEST, LONGEST_TEXT = 4_000_000, 200_000, 12, 20_000
 RELATIONS = ("at_most", "at_least", "less_than", "greater_than", "holds", "fails", "inside")
 _KEYS = (
-    *("format", "version", "id", "paper", "claims", "statement", "kind", "precision", "definitions"),
+    *("format", "version", "id", "paper", "statement", "kind", "precision", "definitions"),
     *("unknowns", "fields", "witness", "data", "conclusions", "faith", "digest"),
 )
 
@@ -101,7 +100,6 @@ class Certificate:
     definitions: Sequence[tuple[str, str]] = ()
     unknowns: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     witness: Mapping[str, Any] = field(default_factory=dict)
-    claims: Sequence[str] = ()
     conclusions: Sequence[Conclusion] = ()
     faith: Sequence[str] = ON_FAITH
     data: Mapping[str, Any] = field(default_factory=dict)
@@ -114,7 +112,6 @@ class Certificate:
             "version": VERSION,
             "id": self.id,
             "paper": self.paper,
-            "claims": list(self.claims),
             "statement": self.statement,
             "kind": self.kind,
             "precision": self.precision,
@@ -203,7 +200,7 @@ class Certificate:
             expect(key, str)
         for key in ("unknowns", "fields", "witness", "data"):
             expect(key, dict)
-        for key in ("claims", "definitions", "conclusions", "faith"):
+        for key in ("definitions", "conclusions", "faith"):
             expect(key, list)
         for key, pattern in (("id", _ID), ("paper", _PAPER), ("kind", _PAPER)):
             if not pattern.fullmatch(raw[key]):
@@ -215,8 +212,8 @@ class Certificate:
             not isinstance(p, list) or len(p) != 2 or not all(isinstance(x, str) for x in p) for p in raw["definitions"]
         ):
             raise CertificateError(f"{name}: definitions must be pairs of a name and a formula")
-        if any(not isinstance(x, str) for x in [*raw["claims"], *raw["faith"]]):
-            raise CertificateError(f"{name}: claims and faith must be texts")
+        if any(not isinstance(x, str) for x in raw["faith"]):
+            raise CertificateError(f"{name}: faith must be texts")
         conclusions = []
         for entry in raw["conclusions"]:
             if not isinstance(entry, dict) or set(entry) != {"of", "quantity", "relation", "value"}:
@@ -241,7 +238,6 @@ class Certificate:
             definitions=tuple((n, t) for n, t in raw["definitions"]),
             unknowns=raw["unknowns"],
             witness=raw["witness"],
-            claims=tuple(raw["claims"]),
             conclusions=tuple(conclusions),
             faith=tuple(raw["faith"]),
             data=raw["data"],

@@ -34,8 +34,6 @@ class Proof:
     ----------
     id, paper, statement, kind : str
         As in the certificate; that the statement says what the conclusions say is on faith.
-    claims : tuple of str
-        Claims that it bears on.
     theorem : str
         What the conclusions rest on.
     proved : tuple of Proved
@@ -52,7 +50,6 @@ class Proof:
     paper: str
     statement: str
     kind: str
-    claims: tuple[str, ...]
     theorem: str
     proved: tuple[Proved, ...]
     conclusions: tuple[Conclusion, ...]
@@ -93,7 +90,6 @@ def _same_data(certificate: Certificate, tables: Any) -> None:
         "number": reader.number,
         "printed": reader.printed,
         "half_units": reader.half_units,
-        "claims": reader.claim,
         "design": lambda name: reader.design(*name.split(".", 1)),
     }
     for group, entries in certificate.data.items():
@@ -111,9 +107,6 @@ def _same_data(certificate: Certificate, tables: Any) -> None:
 def _difference(stored: Any, now: Any) -> str:
     if isinstance(stored, str) and isinstance(now, str):
         return f"{stored} and not {now}: other"
-    if isinstance(stored, dict) and isinstance(now, dict):
-        keys = sorted(k for k in {*stored, *now} if stored.get(k) != now.get(k))
-        return f"in its {', '.join(keys)} other"
     if isinstance(stored, list) and isinstance(now, list) and len(stored) == len(now):
         for i, (a, b) in enumerate(zip(stored, now, strict=True)):
             for j, (x, y) in enumerate(zip(a, b, strict=False)):
@@ -129,21 +122,8 @@ def _complete(stored: dict[str, Any], read: dict[str, Any], owner: str) -> None:
                 raise CertificateError(f"{owner}: the formulas read {group} {name!r}, which is not among its data")
     for group, entries in stored.items():
         for name in entries:
-            if group != "claims" and name not in read.get(group, {}):
+            if name not in read.get(group, {}):
                 raise CertificateError(f"{owner}: data hold {group} {name!r}, which no formula reads")
-
-
-def _about_claims(certificate: Certificate) -> None:
-    """Refuse a certificate that names a claim and concludes nothing about its quantity."""
-    concluded = {conclusion.quantity for conclusion in certificate.conclusions}
-    for claim, row in certificate.data.get("claims", {}).items():
-        about = {row.get("quantity", "")} | (
-            {row.get("published", "")} if row.get("comparator") == "less_than" else set()
-        )
-        if row.get("comparator") != "all_of" and row.get("quantity") and not about & concluded:
-            raise CertificateError(
-                f"{certificate.id}: claim {claim!r} is about {row['quantity']!r}, on which it concludes nothing"
-            )
 
 
 def implied(found: Sequence[Proved], conclusion: Conclusion) -> bool:
@@ -238,7 +218,6 @@ def _check(certificate: Certificate, tables: Any) -> Proof:
             )
         if conclusion.quantity and hasattr(reader, "has_quantity") and not reader.has_quantity(conclusion.quantity):
             raise CertificateError(f"{owner}: quantity {conclusion.quantity!r} is not declared in quantities.csv")
-    _about_claims(certificate)
     kind = kinds.load(certificate.kind)
     faith = tuple(dict.fromkeys((*ON_FAITH, *getattr(kind, "FAITH", ()), *certificate.faith)))
     return Proof(
@@ -246,7 +225,6 @@ def _check(certificate: Certificate, tables: Any) -> Proof:
         paper=certificate.paper,
         statement=certificate.statement,
         kind=certificate.kind,
-        claims=tuple(certificate.claims),
         theorem=kind.THEOREM,
         proved=tuple(found),
         conclusions=tuple(certificate.conclusions),

@@ -15,7 +15,6 @@ from gainsay.proof.certificate import Certificate
 
 __all__ = ["CaseTables", "MappingTables", "Reader", "Scope", "Tables", "adapted"]
 
-_CLAIM_COLUMNS = ("comparator", "quantity", "published", "unit")
 #: entries of all unknowns of a certificate together
 MOST_ENTRIES = 4_000
 STRUCTURES = ("symmetric", "full", "diagonal", "skew")
@@ -25,7 +24,7 @@ class Tables(Protocol):
     """What a certificate is checked against; `gainsay.tables.Case` is one.
 
     `printed(name)` has `.exact` and `.half_units`, tuples of rows of `Fraction`. A reader may also have
-    `design(name, entry)` giving rows of floats or exact numbers, and `claim(id)` giving a mapping of columns to texts.
+    `design(name, entry)` giving rows of floats or exact numbers.
     """
 
     def exact(self, name: str) -> Fraction:
@@ -57,7 +56,6 @@ class MappingTables:
     numbers : mapping of str to exact number
     printed : mapping of str to rows of decimal texts
     designs : mapping of (name, entry) to rows of floats
-    claims : mapping of str to mapping of column to text
     """
 
     def __init__(
@@ -65,10 +63,9 @@ class MappingTables:
         numbers: Mapping[str, object] | None = None,
         printed: Mapping[str, Sequence[Sequence[str]]] | None = None,
         designs: Mapping[tuple[str, str], Any] | None = None,
-        claims: Mapping[str, Mapping[str, str]] | None = None,
     ) -> None:
         self._numbers, self._printed = dict(numbers or {}), dict(printed or {})
-        self._designs, self._claims = dict(designs or {}), claims
+        self._designs = dict(designs or {})
 
     def exact(self, name: str) -> Fraction:
         """Parameter in SI."""
@@ -81,10 +78,6 @@ class MappingTables:
     def design(self, name: str, entry: str) -> Any:
         """Rows of a design's matrix."""
         return self._designs[(name, entry)]
-
-    def claim(self, name: str) -> Mapping[str, str] | None:
-        """Columns of a claim; None where the tables hold no claims."""
-        return None if self._claims is None else self._claims[name]
 
 
 class CaseTables:
@@ -105,11 +98,6 @@ class CaseTables:
         """Rows of a design's matrix; no file is read but that of a design which the paper declares."""
         return self.case.designs[name].exact(entry)
 
-    def claim(self, name: str) -> dict[str, str]:
-        """Columns of a claim."""
-        row = self.case.claims[name]
-        return row if isinstance(row, dict) else row.model_dump(mode="json")
-
     def has_quantity(self, name: str) -> bool:
         """Whether the quantity is declared."""
         return name in self.case.quantities
@@ -117,7 +105,7 @@ class CaseTables:
 
 def adapted(tables: Any) -> Tables:
     """Tables as formulas read them, of a case or of what is such tables already."""
-    return CaseTables(tables) if hasattr(tables, "quantities") and hasattr(tables, "claims") else tables
+    return CaseTables(tables) if hasattr(tables, "quantities") else tables
 
 
 class Reader:
@@ -170,15 +158,6 @@ class Reader:
         )
         return Matrix(rational_matrix(read))
 
-    def claim(self, name: str) -> None:
-        """Record what the tables say of a claim, where they hold claims."""
-        claim = getattr(self.tables, "claim", None)
-        if claim is None:
-            return
-        columns = self._read("claim", name, lambda: claim(name))
-        if columns is not None:
-            self._record("claims", name, {k: str(columns[k]) for k in _CLAIM_COLUMNS if columns.get(k) is not None})
-
 
 def _box(middle: object, half: object) -> arb:
     return ball(middle, half)
@@ -207,8 +186,6 @@ class Scope:
         self.context: Any = None
         for name in certificate.unknowns:
             self._check_name(name)
-        for claim in certificate.claims:
-            self.reader.claim(claim)
 
     def fail(self, message: object) -> CertificateError:
         """An error that names the certificate."""

@@ -24,7 +24,7 @@ def formulas_digest(certificate: Certificate) -> str:
     """Digest of everything that a certificate states, without its witness.
 
     It covers paper, id, kind, sentence, definitions, unknowns with their structure, formulas and constraints, the names
-    of the table entries read, the claims, what is concluded about which quantity by which relation, and what stays on
+    of the table entries read, what is concluded about which quantity by which relation, and what stays on
     faith. It leaves out the witness, the precision, the values of the table entries (which the checker compares with
     the tables), and the numbers that a search found: the value of a conclusion, and a number written out in the fields
     that a kind lists as ``LEVELS`` or ``FOUND``, such as the level of a norm bound. A changed number of that sort
@@ -66,7 +66,6 @@ def _stated(certificate: Certificate) -> dict[str, Any]:
         "id": certificate.id,
         "kind": certificate.kind,
         "statement": _sentence(certificate.statement),
-        "claims": sorted(certificate.claims),
         "definitions": [[name, _number(text) if name in levels else text] for name, text in certificate.definitions],
         "unknowns": plain(certificate.unknowns),
         "fields": _fields(certificate.kind, fields),

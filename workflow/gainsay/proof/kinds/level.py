@@ -66,7 +66,7 @@ def _part(scope: Scope, name: str, kind: str, fields: dict) -> list[Proved]:
     _requirement(scope, name, module, fields)
     whole = scope.certificate
     own = {key.partition(".")[2]: rows for key, rows in whole.witness.items() if key.partition(".")[0] == name}
-    part = whole.changed(id=f"{whole.id}, {name}", kind=kind, fields=fields, witness=own, claims=())
+    part = whole.changed(id=f"{whole.id}, {name}", kind=kind, fields=fields, witness=own)
     inner = Scope(part, scope.reader.tables)
     # what the part's formulas read is data of the whole
     inner.reader = scope.reader
