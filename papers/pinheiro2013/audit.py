@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from gainsay.errors import ComputationError
-from gainsay.lmi import Program, Solved, solve, sym, symmetric
+from gainsay.lmi import Solved
 from gainsay.proof import build
+from gainsay.statements import Stated, read_constraint, symmetric
 from gainsay.systems.statespace import spectral_abscissa
 from gainsay.tables.results import task
-from papers.pinheiro2013 import formulas
+from papers.pinheiro2013 import statements
 from papers.pinheiro2013.plant import RECONSTRUCTIONS, linear_model, reconstruction
 from papers.pinheiro2013.scans import SCANS
 from papers.pinheiro2013.synthesis import LEVELS, SEPARATE
@@ -40,18 +40,17 @@ def _identity(case, results, quantity: str, statement: str, names: str, left: st
         fields={"left": left, "right": right} | ({"modulo": more["modulo"]} if "modulo" in more else {}),
         quantities={"identity": quantity},
     )  # fmt: skip
-    results.certificate(certificate)
-    results.quantity(quantity, 1, method="identity of polynomials, certified", source=more.get("source", ""))
+    results.prove(certificate, source=more.get("source", ""))
 
 
 def _different(case, results, quantity: str, statement: str, left: str, right: str, witness: dict, source: str) -> None:
     """Certify that two formulas differ at the witness and record it."""
-    results.certificate(build.certificate(
+    certificate = build.certificate(
         "different", id=quantity.replace(".", "-").replace("_", "-"), paper=case.name, tables=case, statement=statement,
         unknowns=_names(" ".join(witness)), witness=witness, fields={"left": left, "right": right},
         quantities={"identity": quantity},
-    ))  # fmt: skip
-    results.quantity(quantity, 0, method="both sides evaluated exactly where they differ, certified", source=source)
+    )  # fmt: skip
+    results.prove(certificate, source=source)
 
 
 @task("(1) to (8)")
@@ -143,16 +142,6 @@ def transformations(case, results):
     results.say("(13) to (18)", "two blocks and a sign refuted as printed, proved as corrected; (18) proved")
 
 
-def _common_lyapunov(matrices: list[np.ndarray], alpha: float) -> np.ndarray | None:
-    """Solve for one P with P A + A' P < 2 alpha P at every vertex, or return None."""
-    P = symmetric("P", matrices[0].shape[0])
-    inequalities = [
-        (sym(P @ A) - 2 * alpha * P < 0).named(f"vertex {number}") for number, A in enumerate(matrices, start=1)
-    ]
-    found = solve(Program(subject_to=[*inequalities, (P > 0).named("P > 0")], label="vertex Lyapunov", margin=1e-5))
-    return found["P"] if isinstance(found, Solved) else None
-
-
 @task("robustness over the inertia")
 def robustness(case, results):
     """Prove stability over all 10 % changes of the three moments at once by one Lyapunov matrix a design."""
@@ -161,7 +150,7 @@ def robustness(case, results):
     for name in RECONSTRUCTIONS:
         satellite = reconstruction(case, name)
         for level, parameter in LEVELS.items():
-            design = f"{name}_{formulas.GAMMAS[level]}"
+            design = f"{name}_{statements.GAMMAS[level]}"
             for group in SEPARATE:
                 K = case.designs[design][f"K_{group}"]
                 worst = max(
@@ -181,22 +170,23 @@ def robustness(case, results):
 
 
 def _certify_vertices(case, results, name, level, design, group, worst) -> None:
-    texts = formulas.vertices(group)
-    definitions = {**formulas.inputs(name), "K": f"design('{design}', 'K_{group}')"}
-    values = formulas.evaluated(definitions, [(f"v{i}", text) for i, text in enumerate(texts)], case)
-    matrices = [values[f"v{i}"] for i in range(len(texts))]
-    for alpha in (0.5 * worst, 0.0):
-        P = _common_lyapunov(matrices, alpha)
-        if P is not None:
+    """Prove a spectral abscissa over the whole box by one Lyapunov matrix at its vertices."""
+    texts = statements.vertices(group)
+    definitions = {**statements.inputs(name), "K": f"design('{design}', 'K_{group}')"}
+    for alpha in (f"{0.5 * worst:.6g}", "0"):
+        decay = [
+            read_constraint(f"sym(P@({text})) - 2*({alpha})*P < 0", f"vertex {i}") for i, text in enumerate(texts, 1)
+        ]
+        unknowns = {"P": symmetric(2 if group == "pitch" else 4)}
+        found = Stated(case, [decay, "P > 0"], None, unknowns, definitions, label="vertices", margin=1e-5).solve()
+        if isinstance(found, Solved):
             break
-    else:
-        raise ComputationError("robustness", f"no common Lyapunov matrix for {design}, {group}")
-    quantity = f"{name}.{level}.worst_abscissa.{group}"
     results.certificate(build.certificate(
         "lyapunov", id=f"robust-{design.replace('_', '-')}-{group.replace('_', '-')}", paper=case.name, tables=case,
         statement=f"The loop {design}, {group}, is stable for every change of the moments within 10 %, with one P.",
-        definitions=definitions, fields={"matrix": texts, "alpha": f"{alpha:.6g}"}, witness={"P": P},
-        quantities={"abscissa": quantity},
+        definitions=definitions, fields={"matrix": texts, "alpha": alpha},
+        witness={"P": found.need(f"robustness, {design}, {group}")["P"]},
+        quantities={"abscissa": f"{name}.{level}.worst_abscissa.{group}"},
         faith=("That every closed loop of the box is a convex combination of the vertices: each row of (8) is affine"
                " in 1/I of its axis and in each moment that it multiplies.",),
     ))  # fmt: skip

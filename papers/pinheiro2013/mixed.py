@@ -7,46 +7,15 @@ from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 from scipy.optimize import minimize, root
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.lmi import BlockMatrix, Infeasible, Program, Scale, Solved, Undecided, matrix, solve, sym, symmetric, trace
+from gainsay.lmi import Program, Solved, solve
 from gainsay.systems.norms import h2_norm, hinf_norm
 from papers.pinheiro2013.plant import GeneralizedPlant
+from papers.pinheiro2013.statements import given_problem
 
 #: condition of the basis of an invariant subspace beyond which its solution is not believed
 _WORST_BASIS = 1e12
 #: how far above its infimum the H-infinity level is taken where the infimum itself is wanted
 ABOVE = 1.001
-
-
-def h_infinity_block(plant: GeneralizedPlant, gamma: float, X, Y, sign: int = -1) -> BlockMatrix:
-    """First LMI of (21), block names after what the rows stand for.
-
-    Parameters
-    ----------
-    plant : GeneralizedPlant
-    gamma : float
-    X, Y : Variable
-        Symmetric (n, n); full (m, n).
-    sign : {-1, 1}
-        Sign of gamma^2 I in block (3, 3): -1 as the bounded real lemma has it, +1 as printed (erratum
-        `eq21-gamma-sign`).
-    """
-    F = BlockMatrix("(21)" if sign < 0 else "(21) as printed", "state", "disturbance", "error")
-    F["state", "state"] = sym(plant.A @ X - plant.B2 @ Y)
-    F["state", "disturbance"] = plant.B1
-    F["state", "error"] = (plant.C1 @ X - plant.D12 @ Y).T
-    F["disturbance", "disturbance"] = -np.eye(plant.B1.shape[1])
-    F["disturbance", "error"] = plant.D11.T
-    F["error", "error"] = sign * gamma**2 * np.eye(plant.C1.shape[0])
-    return F
-
-
-def h2_block(plant: GeneralizedPlant, X, Y, Q) -> BlockMatrix:
-    """Second LMI of (21)."""
-    F = BlockMatrix("(21), second", "cost", "state")
-    F["cost", "cost"] = Q
-    F["cost", "state"] = plant.C2 @ X - plant.D22 @ Y
-    F["state", "state"] = X
-    return F
 
 
 def gamma_min(plant: GeneralizedPlant) -> float:
@@ -125,16 +94,8 @@ def mixed_program(
             value=gamma,
             expected=f"above {least!r}",
         )
-    states, inputs = plant.B2.shape
-    X, Y, Q = symmetric("X", states), matrix("Y", inputs, states), symmetric("Q", plant.C2.shape[0])
     typical = starting_gain(plant, gamma)[1] if typical is None else typical
-    return Program(
-        minimise=trace(Q),
-        subject_to=[h_infinity_block(plant, gamma, X, Y) < 0, h2_block(plant, X, Y, Q) > 0],
-        scale=Scale(X=np.sqrt(np.diag(typical))),
-        label=f"(21) at gamma = {gamma:.6g}",
-        margin=margin,
-    )
+    return given_problem(plant, gamma, typical, margin).program()
 
 
 def mixed_design(plant: GeneralizedPlant, gamma: float, *, margin: float = 1e-7) -> Design:
@@ -147,11 +108,7 @@ def mixed_design(plant: GeneralizedPlant, gamma: float, *, margin: float = 1e-7)
     ComputationError
         If the solver's point does not hold, or its gain violates (23).
     """
-    found = solve(mixed_program(plant, gamma, margin=margin))
-    if isinstance(found, Undecided):
-        raise found.error
-    if isinstance(found, Infeasible):
-        raise ComputationError("(21)", f"infeasible at gamma = {gamma!r} although above gamma_min", found.attempts)
+    found = solve(mixed_program(plant, gamma, margin=margin)).need(f"(21) at gamma = {gamma!r}, above gamma_min")
     return evaluated(plant, gamma, found)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from gainsay.errors import ComputationError
 from gainsay.tables import Case
 from gainsay.tables.designs import FoundDesign
-from papers.pinheiro2013 import formulas, mixed
+from papers.pinheiro2013 import mixed, statements
 from papers.pinheiro2013.plant import RECONSTRUCTIONS, GeneralizedPlant, generalized_plant, reconstruction
 from papers.pinheiro2013.synthesis import LEVELS, SEPARATE, best, gain_of
 
@@ -86,7 +86,7 @@ def limit(case: Case, name: str, group: str) -> FoundDesign:
 
 SEARCHES = {
     **{
-        f"{name}_{formulas.GAMMAS[level]}": partial(mixed_design, name=name, level=level)
+        f"{name}_{statements.GAMMAS[level]}": partial(mixed_design, name=name, level=level)
         for name in RECONSTRUCTIONS
         for level in LEVELS
     },

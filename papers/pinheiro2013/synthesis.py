@@ -3,11 +3,12 @@
 import numpy as np
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.lmi import Infeasible, Infimum, Solved, Undecided, infimum, sweep
+from gainsay.lmi import Infimum, Solved, infimum, sweep
 from gainsay.proof import build
+from gainsay.statements import Stated, enclose, prove
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
 from gainsay.tables.results import task
-from papers.pinheiro2013 import formulas, gains, mixed, pitch
+from papers.pinheiro2013 import gains, mixed, pitch, statements
 from papers.pinheiro2013.plant import GROUPS, RECONSTRUCTIONS, GeneralizedPlant, generalized_plant, reconstruction
 
 LEVELS = {"gamma_0.2": "gamma_min", "gamma_2": "gamma_mixed", "gamma_100": "gamma_max"}
@@ -32,12 +33,7 @@ def best(plant: GeneralizedPlant, gamma: float) -> Infimum:
     ComputationError
         If it was not enclosed.
     """
-    found = infimum(mixed.mixed_program(plant, gamma))
-    if isinstance(found, Undecided):
-        raise found.error
-    if isinstance(found, Infeasible):
-        raise ComputationError("(21)", f"infeasible at gamma = {gamma!r} although above gamma_min", found.attempts)
-    return found
+    return infimum(mixed.mixed_program(plant, gamma)).need(f"(21) at gamma = {gamma!r}, above gamma_min")
 
 
 #: relative slope at which a gain counts as stationary: the digits of a committed design, times a condition of 1e4
@@ -156,7 +152,7 @@ def designs(case, results):
     check_levels(case)
     for name in RECONSTRUCTIONS:
         for level, parameter in LEVELS.items():
-            design = case.designs[f"{name}_{formulas.GAMMAS[level]}"]
+            design = case.designs[f"{name}_{statements.GAMMAS[level]}"]
             gamma, K = case.number(parameter), np.zeros((3, 6))
             for group in SEPARATE:
                 plant = generalized_plant(reconstruction(case, name), group)
@@ -202,34 +198,15 @@ def _design(results, name, level, group, plant, gamma, K) -> None:
 @task("(21) as printed")
 def as_printed(case, results):
     """Prove that (21) as printed has no solution: its block (3, 3) must be negative and is gamma^2 I."""
-    multiplier = np.zeros((9, 9))
-    multiplier[6:, 6:] = np.eye(3)
-    results.certificate(build.farkas(
-        id="eq21-as-printed-infeasible", paper=case.name, tables=case,
-        statement="No X and Y satisfy the first LMI of (21) with +gamma^2 I in block (3,3), at gamma = 2 for pitch, B.",
-        definitions=formulas.pitch("b"), unknowns=_unknowns(2, 1),
-        fields={"constraints": [["(21)", _first_lmi("number('gamma_mixed')**2", "")]]},
-        multipliers={"(21)": multiplier}, quantities={"feasible": "eq21.printed.feasible"},
-    ))  # fmt: skip
-    results.quantity("eq21.printed.feasible", 0, method="Farkas certificate", source="(21)")
-    results.say("(21) as printed", "infeasible, Farkas certificate checked")
-
-
-def _first_lmi(level: str, sign: str, inputs: int = 4, outputs: int = 3) -> str:
-    return (
-        f"[[sym(A@X - B2@Y), B1, (C1@X - D12@Y).T], [..., -eye({inputs}), D11.T],"
-        f" [..., ..., {sign}({level})*eye({outputs})]] < 0"
-    )
-
-
-def _lmis(group: str, level: str) -> list[list[str]]:
-    sizes = (4, 3) if group == "pitch" else (14, 12)
-    return [["(21)", _first_lmi(level, "-", *sizes)], ["(21), second", "[[Q, C2@X - D22@Y], [..., X]] > 0"]]
-
-
-def _unknowns(states: int, inputs: int, costs: int = 0) -> dict:
-    found = {"X": {"shape": [states, states], "structure": "symmetric"}, "Y": {"shape": [inputs, states]}}
-    return found | ({"Q": {"shape": [costs, costs], "structure": "symmetric"}} if costs else {})
+    plant = generalized_plant(reconstruction(case, "b"), "pitch")
+    first = statements.equation_21(statements.sizes(plant), statements.pitch("b"), "number('gamma_mixed')**2")
+    stated = Stated(case, [first < 0], label="(21) as printed")
+    found = stated.solve()
+    prove(
+        results, "eq21.printed.feasible", stated, found, id="eq21-as-printed-infeasible", source="(21)",
+        sentence="X and Y that satisfy the first LMI of (21) with +gamma^2 I in block (3,3), at gamma = 2, pitch, B",
+    )  # fmt: skip
+    results.say("(21) as printed", type(found).__name__.lower())
 
 
 @task("(21) corrected, certified")
@@ -239,28 +216,15 @@ def certified(case, results):
     for group in SEPARATE:
         plant = generalized_plant(reconstruction(case, "b"), group)
         found = best(plant, gamma)
-        states, inputs, costs = plant.A.shape[0], plant.B2.shape[1], plant.C2.shape[0]
-        shared = {
-            "paper": case.name, "tables": case, "definitions": formulas.PLANTS[group]("b"),
-            "unknowns": _unknowns(states, inputs, costs),
-        }  # fmt: skip
-        constraints = _lmis(group, "number('gamma_mixed')**2")
-        results.certificate(build.feasible_point(
-            id=f"eq21-feasible-{group}", **shared,
-            statement=f"(21) with -gamma^2 I in block (3,3) has a solution at gamma = 2, {group}, reconstruction B.",
-            fields={"constraints": constraints, "minimise": "trace(Q)"}, point=found.solved.values,
-            quantities={"feasible": f"b.gamma_2.feasible.{group}", "objective": f"b.gamma_2.trace.{group}"},
-        ))  # fmt: skip
-        results.certificate(build.dual_bound(
-            id=f"eq21-least-trace-{group}", **shared,
-            statement=f"No solution of (21) corrected at gamma = 2, {group}, B, has a smaller trace of Q than stated.",
-            fields={"constraints": constraints, "minimise": "trace(Q)"}, multipliers=found.multipliers,
-            quantities={"objective": f"b.gamma_2.trace.{group}"},
-        ))  # fmt: skip
-        results.quantity(f"b.gamma_2.feasible.{group}", 1, method="certified point", source="(21)")
-        results.quantity(
-            f"b.gamma_2.trace.{group}", found.value, lower=found.lower, upper=found.upper, source="(21)",
-            method="LMI between a strict point and strict multipliers",
+        stated = statements.paper_problem(case, plant, "b", group, "number('gamma_mixed')**2")
+        sentence = f"solution of (21) with -gamma^2 I in block (3,3) at gamma = 2, {group}, reconstruction B"
+        prove(
+            results, f"b.gamma_2.feasible.{group}", stated, found.solved, id=f"eq21-feasible-{group}",
+            sentence=sentence, source="(21)",
+        )  # fmt: skip
+        enclose(
+            results, f"b.gamma_2.trace.{group}", stated, found, id=f"eq21-least-trace-{group}",
+            sentence=f"trace of Q over (21) corrected at gamma = 2, {group}, reconstruction B", source="(21)",
         )  # fmt: skip
         results.say(f"(21) corrected, {group}", "feasible at gamma = 2, point certified")
 
@@ -270,14 +234,14 @@ def bounds(case, results):
     """Certify both bounds of (23) for every design."""
     for name, group, plant in plants(case):
         for level, parameter in LEVELS.items():
-            short = formulas.GAMMAS[level]
+            short = statements.GAMMAS[level]
             K = case.designs[f"{name}_{short}"][f"K_{group}"]
             A, B, C, D, _ = plant.closed(K)
             gamma = case.number(parameter)
             results.certificate(build.certificate(
                 "bounded_real", id=f"eq23-hinf-{name}-{short}-{group}", paper=case.name, tables=case,
                 statement=f"The H-infinity norm from w to z_inf is below gamma = {gamma:g}, {group}, {name.upper()}.",
-                definitions=formulas.closed(name, group, f"design('{name}_{short}', 'K_{group}')"),
+                definitions=statements.closed(name, group, f"design('{name}_{short}', 'K_{group}')"),
                 fields={"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11", "gamma": f"number('{parameter}')"},
                 witness={"P": bounded_real_certificate_matrix(A, B, C, D, gamma)},
                 quantities={"norm": f"{name}.{level}.hinf.{group}"},
@@ -294,18 +258,21 @@ def gamma_min_certified(case, results):
     # the identity keeps the multiplier inside its cone when it is rounded.
     z = np.concatenate([np.zeros(2), r / np.linalg.norm(r), [1 / np.linalg.norm(r)], np.zeros(2)])
     multiplier = np.outer(z, z) + 1e-9 * np.diag([0, 0, 1, 1, 1, 1, 1, 1, 1])
-    results.certificate(build.farkas(
-        id="below-gamma-min-infeasible", paper=case.name, tables=case,
-        statement="No state feedback for pitch, B, satisfies (21) corrected at 0.999999 of the norm of D11.",
-        definitions={**formulas.pitch("b"), "level": "0.999999**2*(channels@channels.T)"}, unknowns=_unknowns(2, 1),
-        fields={"constraints": [["(21)", _first_lmi("level", "-")]]},
-        multipliers={"(21)": multiplier}, quantities={"feasible": "b.below_gamma_min.feasible"},
-    ))  # fmt: skip
-    results.quantity("b.below_gamma_min.feasible", 0, method="Farkas certificate", source="(21)")
+    level = "0.999999**2*(channels@channels.T)"
+    first = statements.corrected_21(statements.sizes(plant), statements.pitch("b"), level)
+    results.prove(
+        build.farkas(
+            id="below-gamma-min-infeasible", paper=case.name,
+            statement="No state feedback for pitch, B, satisfies (21) corrected at 0.999999 of the norm of D11.",
+            multipliers={first.label: multiplier}, quantities={"feasible": "b.below_gamma_min.feasible"},
+            **Stated(case, [first < 0]).parts(),
+        ),
+        source="(21)",
+    )  # fmt: skip
     for name, group, plant in plants(case):
         K = case.designs[f"{name}_limit_{group}"]["K"]
         least = "sqrt(channels@channels.T)" if group == "pitch" else _largest_row()
-        definitions = {**formulas.PLANTS[group](name), "least": least}
+        definitions = {**statements.PLANTS[group](name), "least": least}
         results.certificate(build.certificate(
             "enclosed", id=f"gamma-min-{name}-{group}", paper=case.name, tables=case, definitions=definitions,
             statement=f"The norm of D11, hence the infimum of the level, {group}, reconstruction {name.upper()}.",
@@ -318,7 +285,7 @@ def gamma_min_certified(case, results):
         results.certificate(build.certificate(
             "bounded_real", id=f"gamma-min-reached-{name}-{group}", paper=case.name, tables=case,
             statement=f"A closed-form gain comes within a millionth of the norm of D11, {group}, {name.upper()}.",
-            definitions=formulas.closed(name, group, f"design('{name}_limit_{group}', 'K')"),
+            definitions=statements.closed(name, group, f"design('{name}_limit_{group}', 'K')"),
             fields={"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11", "gamma": f"{gamma:.12g}"},
             witness={"P": bounded_real_certificate_matrix(A, B, C, D, gamma)},
             quantities={"norm": f"{name}.limit.hinf.{group}"},

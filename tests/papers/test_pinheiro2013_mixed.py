@@ -4,9 +4,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.lmi import Infimum, infimum
+from gainsay.lmi import Infimum, infimum, matrix, symmetric
+from gainsay.proof.scope import MappingTables
+from gainsay.statements.floats import Floats
 from gainsay.systems.norms import h2_norm, hinf_norm
-from papers.pinheiro2013 import gains, mixed, pitch
+from papers.pinheiro2013 import gains, mixed, pitch, statements
 from papers.pinheiro2013.plant import Satellite, generalized_plant
 
 SATELLITE = Satellite((12.0, 11.0, 9.0), 1.0e-3)
@@ -109,10 +111,40 @@ def test_printed_lmi_fails_everywhere(seed):
     generator = np.random.default_rng(seed)
     X = generator.standard_normal((2, 2))
     values = {"X": X @ X.T, "Y": generator.standard_normal((1, 2))}
-    from gainsay.lmi import matrix, symmetric
+    assert np.linalg.eigvalsh(first_of_21(values, statements.equation_21))[-1] >= 4.0
 
-    F = mixed.h_infinity_block(PITCH, 2.0, symmetric("X", 2), matrix("Y", 1, 2), sign=1)
-    assert np.linalg.eigvalsh(F.value(values))[-1] >= 4.0
+
+def first_of_21(values: dict, edition) -> np.ndarray:
+    """First LMI of (21) for pitch at gamma = 2 and a point, by the solver's evaluator."""
+    return floats().value(edition(statements.sizes(PITCH), {}, "4").formula).value(values)
+
+
+def floats() -> Floats:
+    """Formulas over the plant of pitch in doubles and the unknowns of (21)."""
+    texts = {name: [[repr(float(x)) for x in row] for row in getattr(PITCH, name)] for name in statements.GIVEN}
+    unknowns = {"X": symmetric("X", 2), "Y": matrix("Y", 1, 2), "Q": symmetric("Q", 3)}
+    return Floats(MappingTables(printed=texts), {**statements.GIVEN, "gamma2": "4"}, unknowns)
+
+
+def test_21_is_what_a_second_reading_spells():
+    """Typed afresh from the paper's (21): blocks row by row, both triangles; the sign of (3,3) as printed."""
+    rng = np.random.default_rng(5)
+    X, Y, Q = rng.normal(size=(2, 2)), rng.normal(size=(1, 2)), rng.normal(size=(3, 3))
+    X, Q, p = X + X.T, Q + Q.T, PITCH
+    AX_B2Y = p.A @ X - p.B2 @ Y
+    CX_DY = p.C1 @ X - p.D12 @ Y
+    one = np.block([
+        [AX_B2Y + AX_B2Y.T, p.B1, CX_DY.T],
+        [p.B1.T, -np.eye(4), p.D11.T],
+        [CX_DY, p.D11, 4 * np.eye(3)],
+    ])  # fmt: skip
+    two = np.block([[Q, p.C2 @ X - p.D22 @ Y], [(p.C2 @ X - p.D22 @ Y).T, X]])
+    values = {"X": X, "Y": Y, "Q": Q}
+    np.testing.assert_allclose(first_of_21(values, statements.equation_21), one, atol=1e-13)
+    second = statements.second_21(statements.sizes(PITCH), {}).formula
+    np.testing.assert_allclose(floats().value(second).value(values), two, atol=1e-13)
+    one[-3:, -3:] *= -1  # the bounded real lemma has -gamma^2 I there
+    np.testing.assert_allclose(first_of_21(values, statements.corrected_21), one, atol=1e-13)
 
 
 def test_level_below_the_least_is_refused_with_the_least_named():

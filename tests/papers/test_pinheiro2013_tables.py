@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from gainsay.exact.digits import PrintedNumber
-from papers.pinheiro2013 import formulas
+from gainsay.statements.floats import Floats
+from papers.pinheiro2013 import statements
 from papers.pinheiro2013.plant import Satellite, generalized_plant
 
 SECOND = Path(__file__).with_name("pinheiro2013_second_reading")
@@ -95,9 +96,9 @@ def test_definitions_of_the_certificates_are_the_plant(name, group):
         case.number("inertia_change"),
         tuple(case.number(f"{what}_weight") for what in ("angle", "rate", "control")),
     )
-    plant, found = generalized_plant(satellite, group), formulas.evaluated(formulas.PLANTS[group](name), [], case)
+    plant, found = generalized_plant(satellite, group), Floats(case, statements.PLANTS[group](name), {})
     for matrix in ("A", "B1", "B2", "C1", "D11", "D12", "C2", "D22"):
-        assert found[matrix] == pytest.approx(getattr(plant, matrix), rel=1e-13, abs=1e-18), matrix
+        assert found.constant(matrix) == pytest.approx(getattr(plant, matrix), rel=1e-13, abs=1e-18), matrix
 
 
 @pytest.mark.parametrize("group", ["pitch", "roll_yaw"])
@@ -108,10 +109,8 @@ def test_vertices_contain_every_changed_loop(group):
     size = 1 if group == "pitch" else 2
     K = generator.standard_normal((size, 2 * size))
     gain = "[" + ", ".join("[" + ", ".join(repr(x) for x in row) + "]" for row in K.tolist()) + "]"
-    texts = formulas.vertices(group)
-    definitions = {**formulas.inputs("b"), "K": gain}
-    values = formulas.evaluated(definitions, [(f"v{i}", text) for i, text in enumerate(texts)], case)
-    corners = np.array([values[f"v{i}"].ravel() for i in range(len(texts))])
+    values = Floats(case, {**statements.inputs("b"), "K": gain}, {})
+    corners = np.array([values.constant(text).ravel() for text in statements.vertices(group)])
     satellite = Satellite(tuple(case.number(f"inertia_b_{axis}") for axis in "xyz"), case.number("orbital_rate"))
     plant = generalized_plant(satellite, group)
     for _ in range(200):

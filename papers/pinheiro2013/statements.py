@@ -1,7 +1,16 @@
-"""Definitions of pinheiro2013's plants for certificates: formulas over the tables, as (8), (18) and (19) state them."""
+"""The inequalities (21) of pinheiro2013, and its plants as (8), (18) and (19) state them: formulas over the tables."""
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 from itertools import product
+from typing import Any
+
+import numpy as np
+
+from gainsay.lmi import Scale
+from gainsay.proof.scope import MappingTables
+from gainsay.statements import Stated, Statement, matrix, symmetric
+from gainsay.tables import Case
+from papers.pinheiro2013.plant import GeneralizedPlant
 
 GAMMAS = {"gamma_0.2": "hinf", "gamma_2": "mixed", "gamma_100": "h2"}
 
@@ -94,18 +103,70 @@ def vertices(group: str) -> list[str]:
     return found
 
 
-def evaluated(definitions: dict[str, str], extra: Iterable[tuple[str, str]], case) -> dict:
-    """Evaluate definitions and further formulas in doubles, to hold them against the plant that was computed with."""
-    import numpy as np
+#: matrices of a generalized plant that is given in doubles
+GIVEN = {name: f"printed('{name}')" for name in ("A", "B1", "B2", "C1", "D11", "D12", "C2", "D22")}
 
-    from gainsay.exact.matrix import Matrix
-    from gainsay.proof.checker import CaseTables
-    from gainsay.proof.formulas import evaluate
-    from gainsay.proof.scope import Reader
 
-    reader, names, found = Reader(CaseTables(case), "definitions"), {}, {}
-    for name, text in (*definitions.items(), *extra):
-        value: Matrix = evaluate(text, names, reader)
-        names[name] = value
-        found[name] = np.array([[float(x) for x in row] for row in value.to_ball().rows()])
-    return found
+def sizes(plant: GeneralizedPlant) -> dict[str, int]:
+    """Numbers of states, inputs, disturbances, errors and costs."""
+    outputs = {"errors": plant.C1.shape[0], "costs": plant.C2.shape[0]}
+    return {"states": plant.A.shape[0], "inputs": plant.B2.shape[1], "disturbances": plant.B1.shape[1], **outputs}
+
+
+def equation_21(size: Mapping[str, int], where: Mapping[str, str], gamma_squared: str) -> Statement:
+    """First LMI of (21) as printed."""
+    return Statement(
+        "(21)",
+        "Section 3",
+        ("state", "disturbance", "error"),
+        {
+            ("state", "state"): "sym(A@X - B2@Y)",
+            ("state", "disturbance"): "B1",
+            ("state", "error"): "(C1@X - D12@Y).T",
+            ("disturbance", "disturbance"): f"-eye({size['disturbances']})",
+            ("disturbance", "error"): "D11.T",
+            ("error", "error"): f"gamma2*eye({size['errors']})",
+        },
+        unknowns={"X": symmetric(size["states"]), "Y": matrix(size["inputs"], size["states"])},
+        where={**where, "gamma2": gamma_squared},
+    )
+
+
+def corrected_21(size: Mapping[str, int], where: Mapping[str, str], gamma_squared: str) -> Statement:
+    """First LMI of (21) with the sign that the bounded real lemma gives block (3,3); erratum `eq21-gamma-sign`."""
+    error = f"-gamma2*eye({size['errors']})"
+    return equation_21(size, where, gamma_squared).corrected({("error", "error"): error})
+
+
+def second_21(size: Mapping[str, int], where: Mapping[str, str]) -> Statement:
+    """Second LMI of (21)."""
+    return Statement(
+        "(21), second",
+        "Section 3",
+        ("cost", "state"),
+        {("cost", "cost"): "Q", ("cost", "state"): "C2@X - D22@Y", ("state", "state"): "X"},
+        unknowns={
+            "X": symmetric(size["states"]),
+            "Y": matrix(size["inputs"], size["states"]),
+            "Q": symmetric(size["costs"]),
+        },
+        where=where,
+    )
+
+
+def mixed_problem(case: Any, size: Mapping[str, int], where: Mapping[str, str], gamma_squared: str) -> Stated:
+    """The mixed problem: least trace of Q under (21) with the corrected sign."""
+    held = [corrected_21(size, where, gamma_squared) < 0, second_21(size, where) > 0]
+    return Stated(case, held, minimise="trace(Q)", label="(21)")
+
+
+def given_problem(plant: GeneralizedPlant, gamma: float, typical: np.ndarray, margin: float) -> Stated:
+    """The mixed problem of a plant in doubles; `typical` is a typical X, for scaling."""
+    texts = {name: [[repr(float(x)) for x in row] for row in getattr(plant, name)] for name in GIVEN}
+    stated = mixed_problem(MappingTables(printed=texts), sizes(plant), GIVEN, repr(float(gamma) ** 2))
+    return stated.changed(scale=Scale(X=np.sqrt(np.diag(typical))), label=f"(21) at gamma = {gamma:.6g}", margin=margin)
+
+
+def paper_problem(case: Case, plant: GeneralizedPlant, name: str, group: str, gamma_squared: str) -> Stated:
+    """The mixed problem of a reconstruction over the tables; the plant gives the sizes."""
+    return mixed_problem(case, sizes(plant), PLANTS[group](name), gamma_squared)
