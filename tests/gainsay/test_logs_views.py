@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from gainsay.errors import InputError, LogError
-from gainsay.logs import LogWriter, commands
+from gainsay.logs import Bound, Layout, Line, LogWriter, Plot, Tab, commands
 from gainsay.logs.demo import LAYOUT, write_demo
+from gainsay.logs.palette import rgb
 from gainsay.logs.quiet import call, quiet, rerun_binary
 from gainsay.logs.render import NotCheckedError, empty, render
 from gainsay.logs.views import write_views
@@ -207,6 +208,37 @@ def test_the_viewer_shows_every_view_of_the_demo(rrd, tmp_path):
     assert found.problems == []
     assert sorted(found.views) == sorted(panel.title for panel in LAYOUT.panels())
     assert [path.name for path in found.pictures] == ["demo.png", "demo_2.png"]
+
+
+def rows_of(png, name):
+    """Rows of a picture in which the colour of a role, or one near it, is seen; the head with the legend left out."""
+    from PIL import Image
+
+    image = np.asarray(Image.open(png).convert("RGB"), dtype=int)[:, :1500]
+    return np.flatnonzero((np.abs(image - rgb(name)).max(axis=2) < 40).any(axis=1))
+
+
+@pytest.mark.slow
+def test_a_peak_of_one_sample_is_drawn_at_its_height(tmp_path):
+    """20000 samples on some 1500 columns: the located extreme is drawn where a line at its value is, to a line's width.
+
+    With means of the samples under a pixel, as the viewer draws by itself, it stands at a tenth of the height.
+    """
+    time = np.arange(20001) * 0.01
+    value = np.sin(time)
+    value[9876] = 40.0
+    mcap = tmp_path / "peak.mcap"
+    with LogWriter(mcap, provenance={}) as log:
+        log.signal("/thrust", {"x": "N"}, time, value[:, None])
+        log.extreme("peak", time[9876], 40.0, "N")
+        log.bound("peak", "N", upper=40.0)
+    layout = Layout(
+        "demo", (Tab("Thrust", Plot("Thrust [N]", (Line("/thrust", "x", "x", "axis_1"),), (Bound("peak"),))),)
+    )
+    write_views(mcap, layout)
+    assert viewer(mcap.with_suffix(".rrd"), tmp_path / "peak.png").problems == []
+    drawn, line = rows_of(tmp_path / "peak.png", "axis_1"), rows_of(tmp_path / "peak.png", "bound")
+    assert abs(int(drawn.min()) - int(line.min())) <= 4
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gainsay.errors import CertificateError, ComputationError, InputError, LogError
+from gainsay.tables.contract import CONTRACT
 from gainsay.tables.listing import damage
 from gainsay.tables.results import Results, read_part, run_tasks, task
 
@@ -211,8 +212,8 @@ def test_what_is_lost_emptied_or_altered_shows(project):
     results.quantity("audit.length", 1.0, method="m")
     results.close()
     assert listed_damage(case) == []
-    (case.results / "log.rrd").write_text("never the same twice")
-    assert listed_damage(case) == []
+    (case.results / "log.rrd").write_text("altered, and not empty")
+    assert listed_damage(case) == [("log.rrd", "altered")]
     (case.results / "log.rrd").write_text("")
     assert listed_damage(case) == [("log.rrd", "empty")]
     (case.results / "log.mcap").write_text("another run")  # what is made of it is then of another run too
@@ -226,6 +227,33 @@ def test_what_is_lost_emptied_or_altered_shows(project):
     assert ("parts/audit.quantities.csv", "altered") in listed_damage(case)
     (case.results / "parts" / "audit.files.csv").write_text("file\nlog.mcap\n")
     assert listed_damage(case) == [("parts/audit.files.csv", "altered")]
+
+
+def test_what_is_never_the_same_twice_leaves_the_list_the_same(project):
+    """The list takes the digest of what a file is made of; the file's own stands among the attempts."""
+    case, lists = project.case(), []
+    case.results.mkdir(parents=True)
+    for text in ("one", "other"):
+        results = Results(case, "views")
+        for name in ("log.mcap", "log.rrd"):
+            (case.results / name).write_text("log" if name == "log.mcap" else text)
+        results.made("log.rrd", of="log.mcap")
+        results.close()
+        assert listed_damage(case, "views") == []
+        lists.append((case.results / "parts" / "views.files.csv").read_bytes())
+    assert lists[0] == lists[1]
+    (case.results / "attempts" / "views.derived.csv").unlink()
+    assert listed_damage(case, "views") == [("log.rrd", "altered")]
+
+
+def test_results_of_another_contract_are_damage(project):
+    case = project.case()
+    Results(case, "audit").close()
+    listing = case.results / "parts" / "audit.files.csv"
+    rows = listing.read_text().splitlines()
+    assert {row.split(",")[3] for row in rows[1:]} == {CONTRACT}
+    listing.write_text("\n".join(row.removesuffix(CONTRACT) + "0" if i else row for i, row in enumerate(rows)) + "\n")
+    assert listed_damage(case) == [("parts/audit.files.csv", f"of another contract than {CONTRACT}")]
 
 
 def test_temporary_files_of_a_killed_process_are_removed_and_those_of_living_ones_are_not(project):

@@ -66,7 +66,13 @@ def _item(item: Item, log: Log, title: str = "") -> rrb.View | rrb.Container:
 def _series(line: Line, log: Log) -> rrb.Visualizer:
     """One curve: a field of the message struct of a topic."""
     name, _ = signal_schema(line.topic, log[line.topic].fields)
-    look = rr.SeriesLines(names=line.label, colors=[*rgb(line.role), 255], widths=2.2 * role(line.role).width)
+    # Where a pixel stands for several samples the viewer would draw their mean, and a peak far below its height.
+    look = rr.SeriesLines(
+        names=line.label,
+        colors=[*rgb(line.role), 255],
+        widths=2.2 * role(line.role).width,
+        aggregation_policy=rr.components.AggregationPolicy.MinMax,
+    )
     mapping = VisualizerComponentMapping(
         target="Scalars:scalars",
         source_kind=ComponentSourceKind.SourceComponent,

@@ -8,6 +8,7 @@ from pathlib import Path
 from gainsay.errors import LogError
 from gainsay.logs import Log, RunSpec, read_log
 from gainsay.tables import Case, paper_names, read_case
+from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import cell, read_records
 
 
@@ -17,8 +18,11 @@ def spec_of(case: Case, log: Log, path: Path) -> RunSpec:
     Raises
     ------
     LogError
-        If the paper declares no such run.
+        If the paper declares no such run, or the log was written under another contract.
     """
+    contract = log.metadata.get("contract", "")
+    if contract != CONTRACT:
+        raise LogError(file=str(path), field="contract", value=contract, expected=f"version {CONTRACT}")
     runs = {run.name: run for run in import_module(f"papers.{case.name}.runs").RUNS}
     name = log.metadata.get("run", "")
     if name not in runs:

@@ -11,7 +11,8 @@ from gainsay.steps.command import CLEAN, refuse
 from gainsay.steps.holding import hold_as_step
 from gainsay.steps.page import results_of
 from gainsay.tables import find_root, read_case
-from gainsay.tables.files import read_records, write_csv
+from gainsay.tables.contract import README
+from gainsay.tables.files import read_records, write_atomically, write_csv
 from gainsay.tables.listing import write_listing
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.published import PUBLISHED_COLUMNS
@@ -31,7 +32,7 @@ def _rows(path: Path, root: Path) -> list[dict[str, str]]:
 
 
 def write_report(root: Path, papers: Sequence[PaperResults]) -> None:
-    """Write the joined tables and results/index.html, and the list of them."""
+    """Write the joined tables, results/index.html and README.md with the contract version, and the list of them."""
     for table, columns in JOINED.items():
         rows = [
             [found.case.name if column == "paper" else row[column] for column in columns]
@@ -40,7 +41,8 @@ def write_report(root: Path, papers: Sequence[PaperResults]) -> None:
         ]
         write_csv(root / "results" / f"{table}.csv", columns, rows)
     write_index(root, papers)
-    files = {"index.html": "", **{f"{table}.csv": "" for table in JOINED}}
+    write_atomically(root / "results" / "README.md", README)
+    files = {"README.md": "", "index.html": "", **{f"{table}.csv": "" for table in JOINED}}
     write_listing(root / "results" / "report.files.csv", root / "results", files)
 
 

@@ -7,6 +7,7 @@ from gainsay.errors import InputError
 from gainsay.logs import LogWriter, RunSpec, read_log
 from gainsay.steps.command import step_command
 from gainsay.tables import Case
+from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import read_text
 from gainsay.tables.results import Results
 
@@ -22,6 +23,7 @@ def provenance(case: Case, run: RunSpec) -> dict[str, str]:
         "title": case.paper.title,
         "doi": case.paper.doi,
         "gainsay": __version__,
+        "contract": CONTRACT,
     }
 
 

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from gainsay.tables.case import paper_names, read_case
+from gainsay.tables.contract import README
 from gainsay.tables.files import read_text
 from gainsay.tables.models import TABLES, VERDICTS, PaperFile, Row, columns
 from gainsay.tables.units import UNITS
@@ -74,6 +75,7 @@ def documents(root: Path) -> dict[str, str]:
     schemas = {file: model.model_json_schema() for file, model in {"paper.toml": PaperFile, **TABLES}.items()}
     return {
         "README.md": _readme(root),
+        "results/README.md": README,
         "docs/tables.md": "\n".join(sections),
         "docs/tables.schema.json": json.dumps(schemas, indent=1, sort_keys=True) + "\n",
     }

@@ -5,15 +5,30 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from gainsay.errors import InputError
+from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import read_records, write_csv
 
-LISTING_COLUMNS = ("file", "sha256", "of")
+LISTING_COLUMNS = ("file", "sha256", "of", "contract")
+DERIVED_COLUMNS = ("file", "sha256")
 
 
 def sha256(path: Path) -> str:
     """Return the SHA-256 of a file in hexadecimal digits."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def derived_listing(path: Path, folder: Path) -> Path:
+    """Return where the digests of files that are never the same twice stand: among the attempts, which are not either.
+
+    Parameters
+    ----------
+    path : Path
+        The list of the step's files, ``<step>.files.csv``.
+    folder : Path
+        What the names of the files are relative to.
+    """
+    return folder / "attempts" / path.name.replace(".files.", ".derived.")
 
 
 def write_listing(path: Path, folder: Path, files: Mapping[str, str]) -> None:
@@ -26,39 +41,55 @@ def write_listing(path: Path, folder: Path, files: Mapping[str, str]) -> None:
     folder : Path
         What the names of the files are relative to.
     files : mapping of str to str
-        File -> the file that it is made of and held against, for one whose bytes are never the same twice (``.rrd``);
-        else empty: the file stands for itself.
+        File -> the file that it is made of, for one whose bytes are never the same twice (``.rrd``): the list, which is
+        the same every time, holds the digest of that one, and `derived_listing` the file's own. Else empty: the file
+        stands for itself.
     """
-    rows = [(file, sha256(folder / (of or file)), of) for file, of in sorted(files.items())]
+    derived = [(file, sha256(folder / file)) for file, of in sorted(files.items()) if of]
+    if derived:
+        write_csv(derived_listing(path, folder), DERIVED_COLUMNS, derived)
+    rows = [(file, sha256(folder / (of or file)), of, CONTRACT) for file, of in sorted(files.items())]
     write_csv(path, LISTING_COLUMNS, rows)
 
 
 def damage(path: Path, folder: Path) -> Iterator[tuple[str, str]]:
     """Yield each file of a list that is not as it was left, and how: missing, empty, altered or unreadable.
 
-    A list that is missing, malformed or without a file is itself what is damaged: every step leaves something.
+    A list that is missing, malformed, without a file or written under another contract is itself what is damaged: every
+    step leaves something.
     """
     name = f"{path.parent.name}/{path.name}"
-    try:
-        rows = [(row["file"], row["sha256"], row["of"]) for row in read_records(path)]
-    except (InputError, KeyError):
-        rows = []
+    rows = _rows(path, LISTING_COLUMNS)
     if not rows:
         yield name, "altered" if path.exists() else "missing"
         return
-    for file, digest, of in rows:
-        how = _damaged(folder / file, folder / (of or file), digest)
+    if any(contract != CONTRACT for *_, contract in rows):
+        yield name, f"of another contract than {CONTRACT}"
+        return
+    own = dict(_rows(derived_listing(path, folder), DERIVED_COLUMNS)) if any(of for _, _, of, _ in rows) else {}
+    for file, digest, of, _ in rows:
+        digests = {folder / file: own.get(file, ""), folder / of: digest} if of else {folder / file: digest}
+        how = _damaged(folder / file, digests)
         if how:
             yield file, how
 
 
-def _damaged(path: Path, held: Path, digest: str) -> str:
-    """Say how a file is damaged, or nothing; `held` is what its digest was taken of."""
+def _rows(path: Path, columns: tuple[str, ...]) -> list[tuple[str, ...]]:
+    """Rows of a list; none where it is missing or malformed."""
+    try:
+        return [tuple(row[column] for column in columns) for row in read_records(path)]
+    except (InputError, KeyError):
+        return []
+
+
+def _damaged(path: Path, digests: Mapping[Path, str]) -> str:
+    """Say how a file is damaged, or nothing; `digests` are those of all that it is held against."""
     try:
         if not path.is_file():
             return "missing"
         if not path.stat().st_size:
             return "empty"
-        return "" if held.is_file() and sha256(held) == digest else "altered"
+        held = all(other.is_file() and sha256(other) == digest for other, digest in digests.items())
+        return "" if held else "altered"
     except OSError:  # no permission, a name that no file can have
         return "unreadable"

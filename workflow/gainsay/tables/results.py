@@ -15,7 +15,7 @@ import numpy as np
 from gainsay.errors import ComputationError, GainsayError, InputError
 from gainsay.tables.case import Case
 from gainsay.tables.files import read_csv, remove_abandoned, write_atomically, write_csv, write_json
-from gainsay.tables.listing import write_listing
+from gainsay.tables.listing import derived_listing, write_listing
 from gainsay.tables.reading import PrintedMatrix
 
 QUANTITY_COLUMNS = ("quantity", "value", "unit", "lower", "upper", "method", "source")
@@ -108,6 +108,7 @@ class Results:
             for _, (file, *_) in read_csv(self._listing())[1]:
                 (self.case.results / file).unlink(missing_ok=True)
             self._listing().unlink()
+        derived_listing(self._listing(), self.case.results).unlink(missing_ok=True)
         for part in PARTS:
             (self.case.results / "parts" / f"{self.step}.{part}.csv").unlink(missing_ok=True)
 
@@ -132,7 +133,7 @@ class Results:
         relative : str
             Below the paper's results.
         of : str, optional
-            The file it is made of and held against, where its own bytes are never the same twice.
+            The file it is made of and held against too, where its own bytes are never the same twice.
         """
         self._file(relative)
         self._written[relative] = of
