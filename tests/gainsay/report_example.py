@@ -168,7 +168,7 @@ def results(root: Path, paper: str) -> None:
         "certificates/cost-bound.json": "{",
         "designs/repaired.json": json.dumps({"name": "repaired", "note": "certified", "matrices": {
             "K": [[0.0051, -7.1e-4], [1.125, 2.0]], "L": [[1.0]]}}),
-        "scans/start.json": json.dumps(SCAN),
+        "scans/audit.peak_fy.json": json.dumps(SCAN),
         "attempts/simulation.json": "[]",
         "figures/figure_2.svg": SVG,
         "logs/nominal.mcap": "a log",
@@ -182,18 +182,12 @@ def results(root: Path, paper: str) -> None:
 
 
 SCAN = {
-    "claim": "start", "quantity": "audit.peak_fy", "criterion": "peak below 40 N", "outcome": "depends", "samples": 256,
-    "holding": 120, "seed": 0, "sequence": "Halton, seeded shift",
+    "quantity": "audit.peak_fy", "seed": 0, "sequence": "Halton, seeded shift",
     "inputs": [{"name": "observer_start", "unit": "1", "values": ["measured", "zero"], "logarithmic": False},
                {"name": "gravity", "unit": "m^3/s^2", "low": 3.986e14, "high": 3.98601e14, "logarithmic": False}],
-    "smallest": 38.0, "largest": 412.5,
-    "smallest_at": {"observer_start": "measured", "gravity": 3.986e14},
-    "largest_at": {"observer_start": "zero", "gravity": 3.986e14},
-    "holds_at": {"value": 38.0, "inputs": {"observer_start": "measured", "gravity": 3.986e14}},
-    "fails_at": {"value": 412.5, "inputs": {"observer_start": "zero", "gravity": 3.986e14}},
-    "boundary": {"input": "observer_start", "holds": "measured", "fails": "zero",
-                 "at": {"observer_start": "measured", "gravity": 3.986e14}},
-    "witness": "depends on observer_start: holds at measured, fails at zero", "note": "holds at 120 of 256",
+    "values": [38.0, 39.0, 412.5],
+    "points": [["measured", 3.986e14], ["measured", 3.98601e14], ["zero", 3.986e14]],
+    "crossings": [{"values": [38.0, 412.5], "points": [["measured", 3.986e14], ["zero", 3.986e14]]}],
 }  # fmt: skip
 
 RUNS_OF_FIGURES = {"figure_2": ("nominal",), "figure_3": ("nominal", "repaired")}

@@ -137,7 +137,7 @@ def test_what_is_not_a_certificate_is_refused_and_is_a_difference(clean):
 def test_files_that_no_step_lists_are_no_evidence(clean):
     case = run(clean)
     write_atomically(case.results / "certificates" / "orphan.json", "{}")
-    write_atomically(case.results / "scans" / "length.json", '{"claim": "length", "outcome": "holds"}')
+    write_atomically(case.results / "scans" / "audit.length.json", '{"quantity": "audit.length"}')
     found = read_evidence(case)
     assert (found.certificates, found.refused, found.scans) == ({}, {}, {})
 
@@ -204,42 +204,57 @@ def test_rounding_noise_is_on_record_as_below_a_floor(clean):
     assert "audit.length,0,m,floor,0,2" in clean.file("recorded.csv").read_text()
 
 
-SCAN = {"claim": "length", "quantity": "audit.length", "outcome": "holds", "samples": 264, "holding": 264,
-        "smallest": 1.5, "largest": 1.75, "boundary": None}  # fmt: skip
+INPUT = {"name": "guess", "unit": "1", "low": 0.0, "high": 1.0, "logarithmic": False}
 
 
-def put_scan(case, **changes):
-    write_json(case.results / "scans" / "length.json", {**SCAN, **changes})
-    write_csv(case.results / "parts" / "audit.files.csv", ("file", "sha256", "of"), [("scans/length.json", "", "")])
+def put_scan(case, *values, crossing=()):
+    """A scan of the length, which the paper prints as 1.50 m, over a guess from 0 to 1."""
+    points = [[i / len(values)] for i in range(len(values))]
+    crossings = [{"values": [1.5, 1.6], "points": [[x] for x in crossing]}] if crossing else []
+    content = {"quantity": "audit.length", "seed": 0, "inputs": [INPUT], "values": values, "points": points}
+    write_json(case.results / "scans" / "audit.length.json", {**content, "crossings": crossings})
+    write_csv(
+        case.results / "parts" / "audit.files.csv", ("file", "sha256", "of"), [("scans/audit.length.json", "", "")]
+    )
 
 
 @pytest.mark.parametrize("change", [
-    {"outcome": "depends"},
-    {"holding": 263},
-    {"largest": 1.75 * (1 + 1e-8)},
-    {"boundary": {"input": "guess", "holds": 0.25, "fails": 0.5}},
+    {"values": (1.5, 1.75, 1.75)},
+    {"values": (1.5, 1.75 * (1 + 1e-8))},
+    {"values": (1.5, 1.505)},
+    {"values": (1.5, 1.75), "crossing": (0.25, 0.6)},
 ])  # fmt: skip
 def test_what_a_scan_found_is_on_record(clean, change):
     case = run(clean)
-    put_scan(case)
+    put_scan(case, 1.5, 1.75, crossing=(0.25, 0.5))
     list(record_paper(case))
     assert scan_differences(clean.case()) == []
-    put_scan(case, largest=1.75 * (1 + 1e-12))
+    put_scan(case, 1.5, 1.75 * (1 + 1e-12), crossing=(0.25, 0.5))
     assert scan_differences(clean.case()) == []  # rounding
-    put_scan(case, **change)
+    put_scan(case, *change["values"], crossing=change.get("crossing", (0.25, 0.5)))
     assert len(scan_differences(clean.case())) >= 1
+
+
+def test_another_published_value_changes_what_a_scan_says_not_the_scan(clean):
+    case = run(clean)
+    put_scan(case, 1.5, 1.75)
+    list(record_paper(case))
+    clean.edit("claims.csv", "equal,audit.length,1.50", "equal,audit.length,1.75")
+    assert [row[2] for row in scan_differences(clean.case())] == []  # one of two holds either way
+    clean.edit("claims.csv", "equal,audit.length,1.75", "equal,audit.length,1.9")
+    assert [row[2] for row in scan_differences(clean.case())] == ["length outcome", "length holding"]
 
 
 def test_a_scan_keeps_its_floor_on_record(clean):
     case = run(clean)
-    put_scan(case, smallest=3e-15)
+    put_scan(case, 3e-15, 1.5)
     list(record_paper(case))
     clean.edit("recorded_scans.csv", "length,smallest,3e-15,m,rounding,1e-9,0", "length,smallest,0,m,floor,0,1e-12")
-    put_scan(case, smallest=-7e-14)
+    put_scan(case, -7e-14, 1.5)
     list(record_paper(clean.case()))
     assert "length,smallest,0,m,floor,0,1e-12" in clean.file("recorded_scans.csv").read_text()
     assert scan_differences(clean.case()) == []
-    put_scan(case, smallest=2e-12)
+    put_scan(case, 2e-12, 1.5)
     assert [row[2] for row in scan_differences(clean.case())] == ["length smallest"]
 
 

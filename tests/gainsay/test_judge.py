@@ -11,6 +11,7 @@ from gainsay.tables.lint import PROVED
 from gainsay.tables.models import VERDICTS, Claim, Kind, Quantity
 from gainsay.verdicts.evidence import Concluded, Evidence, Found
 from gainsay.verdicts.judge import SEVERITY, judge
+from gainsay.verdicts.outcome import outcome
 
 SAMPLED = sorted(set(get_args(Kind)) - PROVED - {"remark"})
 
@@ -53,6 +54,14 @@ def evidence(*concluded, value=None, other=None, quantity="q", **more) -> Eviden
         found=numbers, concluded={quantity: list(concluded)} if concluded else {},
         certificates={c.certificate: "a sentence" for c in concluded}, **more,
     )  # fmt: skip
+
+
+def scans(of: Claim, *values: float) -> dict:
+    """What a scan with these values says of a claim."""
+    inputs = [{"name": "x", "unit": "1", "low": 0.0, "high": 1.0, "logarithmic": False}]
+    points = [[i / len(values)] for i in range(len(values))]
+    scan = {"quantity": of.quantity, "inputs": inputs, "values": list(values), "points": points, "crossings": []}
+    return {of.id: outcome(of, scan)}
 
 
 def verdict(of: Claim, on: Evidence) -> str:
@@ -151,12 +160,11 @@ def test_a_kind_that_needs_proof_gets_no_verdict_from_numbers_alone(kind, compar
     assert verdict(claim(*compared, kind), on) == "failed"
 
 
-@given(st.sampled_from(sorted(PROVED)), st.sampled_from(["holds", "depends", "fails"]))
-def test_samples_never_prove(kind, outcome):
-    ends = {"smallest": 0.5 if outcome != "fails" else 1.5, "largest": 0.5 if outcome == "holds" else 1.5}
-    scans = {"c": {"quantity": "q", "outcome": outcome, "samples": 10**6, "witness": "w", "note": "n", **ends}}
-    expected = "undetermined" if outcome == "depends" else "failed"
-    assert verdict(claim("at_most", "1", kind), evidence(value=found(0.5), scans=scans)) == expected
+@given(st.sampled_from(sorted(PROVED)), st.lists(st.sampled_from([0.5, 1.5]), min_size=1))
+def test_samples_never_prove(kind, values):
+    of = claim("at_most", "1", kind)
+    expected = "undetermined" if len(set(values)) == 2 else "failed"
+    assert verdict(of, evidence(value=found(0.5), scans=scans(of, *values))) == expected
 
 
 @pytest.mark.parametrize(
@@ -261,50 +269,33 @@ def test_proved_order():
 
 
 @pytest.mark.parametrize("kind", SAMPLED)
-def test_a_scan_decides_over_the_plausible_inputs(kind):
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [((1.0, 2.0), "reproduced"), ((3.0, math.inf), "contradicted"), ((1.0, 3.0), "undetermined")],
+)
+def test_a_scan_decides_over_the_plausible_inputs(kind, values, expected):
     of = claim("at_most", "2", kind)
-    base = {"quantity": "q", "samples": 256, "witness": "w", "note": "n"}
-    for outcome, expected, low, high in (
-        ("holds", "reproduced", 1.0, 2.0), ("fails", "contradicted", 3.0, math.inf),
-        ("depends", "undetermined", 1.0, 3.0),
-    ):  # fmt: skip
-        scan = {**base, "outcome": outcome, "smallest": low, "largest": high}
-        judged = judge(Tables(), of, evidence(value=found(low), scans={"c": scan}), {})
-        assert (judged.verdict, judged.range_low) == (expected, low)
-        assert judged.range_high == (None if high == math.inf else high)
-        scan["quantity"] = "other"
-        assert verdict(of, evidence(value=found(1.5, 1.5, 1.5), scans={"c": scan})) == "failed"
+    judged = judge(Tables(), of, evidence(value=found(values[0]), scans=scans(of, *values)), {})
+    assert (judged.verdict, judged.range_low) == (expected, values[0])
+    assert judged.range_high == (None if values[1] == math.inf else values[1])
 
 
 @pytest.mark.parametrize(
-    ("comparator", "published", "outcome", "low", "high"),
-    [
-        ("at_most", "2", "holds", 1.0, 2.1), ("at_most", "2", "fails", 1.9, 3.0), ("at_most", "2", "depends", 1.0, 1.5),
-        ("at_least", "2", "holds", 1.9, 3.0), ("inside", "1..2", "holds", 0.9, 1.5),
-        ("equal", "1.50", "holds", 1.4, 1.5),
-        ("equal", "1.50", "fails", 1.5, 3.0),
-    ],
+    ("comparator", "published", "values", "holding"),
+    # by hand: 1.50 stands for 1.495 to 1.505
+    [("at_most", "2", (1, 2, 2.1), 2), ("at_least", "2", (1, 2, 2.1), 2), ("inside", "1..2", (0.9, 1, 2, 2.1), 2),
+     ("equal", "1.50", (1.494, 1.495, 1.505, 1.506), 2)],
 )  # fmt: skip
-def test_a_scan_that_counted_by_another_rule_than_the_claims_decides_nothing(comparator, published, outcome, low, high):
-    scan = {
-        "quantity": "q",
-        "samples": 256,
-        "witness": "",
-        "note": "",
-        "outcome": outcome,
-        "smallest": low,
-        "largest": high,
-    }
-    assert verdict(claim(comparator, published, "ordering"), evidence(scans={"c": scan})) == "failed"
+def test_a_scan_counts_by_the_claims_own_rule(comparator, published, values, holding):
+    of = claim(comparator, published, "ordering")
+    assert scans(of, *map(float, values))["c"].holding == holding
 
 
-@pytest.mark.parametrize(("outcome", "own"), [("holds", 3.0), ("fails", 1.0)])
-def test_a_scan_that_our_own_filling_denies_decides_nothing(outcome, own):
+@pytest.mark.parametrize(("value", "own"), [(1.5, 3.0), (4.0, 1.0)])
+def test_a_scan_that_our_own_filling_denies_decides_nothing(value, own):
     # The value computed at the assumed inputs is one plausible value more.
-    value = 1.5 if outcome == "holds" else 4.0
-    scan = {"quantity": "q", "samples": 256, "witness": "", "note": "", "outcome": outcome}
-    scan |= {"smallest": value, "largest": value}
-    assert verdict(claim("at_most", "2", "ordering"), evidence(value=found(own), scans={"c": scan})) == "failed"
+    of = claim("at_most", "2", "ordering")
+    assert verdict(of, evidence(value=found(own), scans=scans(of, value))) == "failed"
 
 
 @given(st.lists(st.sampled_from(VERDICTS), min_size=1, max_size=6), st.randoms())

@@ -122,7 +122,7 @@ def test_the_page_says_what_is_in_the_results(built):
         "On faith: That the formulas are the paper's.",  # and what does not follow
         "Farkas' lemma for linear matrix inequalities",
         "eq14.feasible fails",
-        "120 of 256 samples hold (peak below 40 N)",
+        "2 of 3 samples hold (at most 40 N)",
         "The outcome turns at observer_start : holds at measured, fails at zero",
         "lost.number a number that no step computed not computed by the step audit",
         "This figure is missing: the step figures did not draw it.",

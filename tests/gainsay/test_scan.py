@@ -1,11 +1,14 @@
 import json
 import math
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.tables.models import Claim
+from gainsay.verdicts.outcome import outcome
 from gainsay.verdicts.scan import Plausible, corners, fractions, sample, scan
 
 X = Plausible("x", "m", 0.0, 10.0)
@@ -13,43 +16,55 @@ Y = Plausible("y", "1", 0.01, 100.0, logarithmic=True)
 WORD = Plausible("word", values=("small", "large"))
 
 
-def run(evaluate, holds, **options):
-    return scan("claim", "value", [X, Y, WORD], evaluate, holds, criterion="a test", **options)
+def claim(comparator, published, name="claim"):
+    return Claim(
+        id=name, where="(1)", kind="ordering", statement="s", comparator=comparator, quantity="value",
+        published=published, unit="1", tolerance="", expected="reproduced", basis="b", note="",
+    )  # fmt: skip
+
+
+def scanned(evaluate, *claims, inputs=(X, Y, WORD), **options):
+    return scan(SimpleNamespace(claims={c.id: c for c in claims}), "value", list(inputs), evaluate, **options)
+
+
+def run(evaluate, comparator, published, **options):
+    """A scan as it is read back from its file, under a claim."""
+    of = claim(comparator, published)
+    return outcome(of, json.loads(json.dumps(scanned(evaluate, of, **options).to_json())))
 
 
 def test_boundary_of_a_known_threshold_is_located():
-    # Closed form: x y < 3 turns at x = 3/y along x and at y = 3/x along y.
-    found = run(lambda p: p["x"] * p["y"], lambda v: v < 3, width=1e-6)
+    # Closed form: x y <= 3 turns at x = 3/y along x and at y = 3/x along y.
+    found = run(lambda p: p["x"] * p["y"], "at_most", "3", width=1e-6)
     assert found.outcome == "depends"
     other = "y" if found.boundary.input == "x" else "x"
     turning = 3 / found.boundary.at[other]
     assert found.boundary.holds == pytest.approx(turning, rel=1e-3)
-    assert found.boundary.holds * found.boundary.at[other] < 3 <= found.boundary.fails * found.boundary.at[other]
+    assert found.boundary.holds * found.boundary.at[other] <= 3 < found.boundary.fails * found.boundary.at[other]
     points = [*sample([X, Y, WORD], 256, 0), *corners([X, Y, WORD])]
-    assert found.holding == sum(p["x"] * p["y"] < 3 for p in points)
+    assert found.holding == sum(p["x"] * p["y"] <= 3 for p in points)
     assert found.samples == 256 + 8
 
 
 def test_a_choice_can_be_the_boundary():
-    found = run(lambda p: float(p["word"] == "large"), lambda v: v == 0)
+    found = run(lambda p: float(p["word"] == "large"), "equal", "0")
     assert (found.boundary.input, found.boundary.holds, found.boundary.fails) == ("word", "small", "large")
     assert found.witness.startswith("depends on word: holds at small, fails at large")
 
 
-@pytest.mark.parametrize(("limit", "outcome"), [(-1.0, "fails"), (11.0, "holds")])
-def test_outcomes_without_a_boundary(limit, outcome):
-    found = run(lambda p: p["x"], lambda v: v < limit)
-    assert found.outcome == outcome
+@pytest.mark.parametrize(("limit", "word"), [("-1", "fails"), ("11", "holds")])
+def test_outcomes_without_a_boundary(limit, word):
+    found = run(lambda p: p["x"], "at_most", limit)
+    assert found.outcome == word
     assert found.boundary is None
-    assert (found.witness == "") == (outcome == "holds")
+    assert (found.witness == "") == (word == "holds")
     assert 0 <= found.least[0] < 0.2
     assert 9.8 < found.greatest[0] <= 10
-    assert json.loads(json.dumps(found.to_json()))["outcome"] == outcome
 
 
 def test_same_seed_same_result_other_seed_other_points():
     evaluate = lambda p: p["x"]  # noqa: E731
-    assert run(evaluate, bool).to_json() == run(evaluate, bool).to_json()
+    assert scanned(evaluate).to_json() == scanned(evaluate).to_json()
     assert sample([X], 5, 1) != sample([X], 5, 2)
 
 
@@ -77,32 +92,32 @@ def test_only_admissible_points_are_evaluated():
         assert p["x"] > 5
         return p["x"] - p["y"]
 
-    found = run(evaluate, lambda v: v > 0, admissible=lambda p: p["x"] > 5)
+    found = run(evaluate, "at_least", "0", admissible=lambda p: p["x"] > 5)
     assert found.outcome == "depends"
     with pytest.raises(InputError, match="hardly any"):
-        run(evaluate, bool, admissible=lambda p: False)
+        scanned(evaluate, admissible=lambda p: False)
 
 
 def test_a_corner_alone_can_break_a_claim():
     # The share of the cube where x > 9.99 and y > 99 is below 1e-6: scattered points miss it, the corner does not.
-    found = run(lambda p: float(p["x"] > 9.99 and p["y"] > 99), lambda v: v == 0)
+    found = run(lambda p: float(p["x"] > 9.99 and p["y"] > 99), "equal", "0")
     assert (found.outcome, found.samples - found.holding) == ("depends", 2)
 
 
 def test_a_broken_sample_breaks_the_scan():
-    with pytest.raises(ComputationError, match="claim: scan broke at"):
-        run(lambda p: math.nan, bool)
+    with pytest.raises(ComputationError, match="value: scan broke at"):
+        scanned(lambda p: math.nan)
 
     def refuse(p):
         raise InputError("no such design")
 
     with pytest.raises(ComputationError, match="no such design"):
-        run(refuse, bool)
+        scanned(refuse)
 
 
 def test_too_few_samples_and_empty_ranges_are_refused():
     with pytest.raises(InputError, match="199: expected at least 200"):
-        run(lambda p: 1.0, bool, samples=199)
+        scanned(lambda p: 1.0, samples=199)
     with pytest.raises(InputError, match="low < high"):
         Plausible("x", low=1.0, high=1.0)
     with pytest.raises(InputError, match="positive range"):
@@ -113,14 +128,14 @@ def test_points_evaluated_together_give_the_same_scan_and_a_boundary_as_narrow()
     def evaluate(p):
         return p["x"] - 0.01 * p["y"]
 
-    one = run(evaluate, lambda v: v > 4.2)
+    one = run(evaluate, "at_least", "4.2")
     calls = []
 
     def together(points):
         calls.append(len(points))
         return [evaluate(p) for p in points]
 
-    all_ = run(evaluate, lambda v: v > 4.2, together=together)
+    all_ = run(None, "at_least", "4.2", together=together)
     assert (all_.outcome, all_.holding, all_.least, all_.greatest) == (
         one.outcome,
         one.holding,
@@ -130,7 +145,24 @@ def test_points_evaluated_together_give_the_same_scan_and_a_boundary_as_narrow()
     assert calls[0] == all_.samples and len(calls) < 8
     edge = all_.boundary
     side = {**edge.at, edge.input: edge.fails}
-    assert evaluate(edge.at) > 4.2 >= evaluate(side)
+    assert evaluate(edge.at) >= 4.2 > evaluate(side)
     assert abs(edge.holds - edge.fails) <= 2e-3 * 100  # a thousandth of the wider range
     with pytest.raises(ComputationError, match="not a number"):
-        run(evaluate, bool, together=lambda points: [math.nan] * len(points))
+        scanned(None, together=lambda points: [math.nan] * len(points))
+
+
+def test_what_a_scan_says_follows_the_threshold_of_the_claim_without_a_new_scan():
+    # The value is x, uniform on 0..10: at most t holds for the points with x <= t, counted here.
+    found = scanned(lambda p: p["x"], claim("at_most", "4")).to_json()
+    xs = [row[0] for row in found["points"]]
+    for limit in ("4", "7.5", "0.1"):
+        assert outcome(claim("at_most", limit), found).holding == sum(x <= float(limit) for x in xs)
+    assert outcome(claim("at_most", "4"), found).boundary.holds == pytest.approx(4, abs=0.01)
+    assert outcome(claim("at_most", "7.5"), found).boundary is None  # nobody has looked there
+
+
+def test_every_claim_on_a_quantity_says_where_to_look_closer():
+    two = (claim("at_most", "4", "first"), claim("at_least", "7", "second"))
+    found = scanned(lambda p: p["x"], *two, claim("less_than", "other", "third")).to_json()
+    turns = [outcome(of, found).boundary.holds for of in two]
+    assert turns == [pytest.approx(4, abs=0.01), pytest.approx(7, abs=0.01)]

@@ -10,6 +10,7 @@ from gainsay.report.numbers import digits_apart, enclosure, number, span, typese
 from gainsay.report.reading import CertificateFile, PaperResults, Row
 from gainsay.tables.models import VERDICTS, Claim
 from gainsay.tables.units import to_si
+from gainsay.verdicts.outcome import Outcome
 
 #: order in which a reader wants them: what broke and what does not hold come first
 ORDER = ("failed", "contradicted", "undetermined", "reproduced", "uncheckable")
@@ -180,39 +181,39 @@ def _range(row: Row, quantities: Sequence[QuantityView]) -> str:
     return f"at least {low}" if low else f"at most {high}" if high else ""
 
 
-def _at(point: Mapping | None, of: str, units: Mapping[str, str]) -> Markup:
+def _at(found: tuple[float, Mapping] | None, of: str, units: Mapping[str, str]) -> Markup:
     """Say the value of a quantity and the inputs at which it was found."""
-    if not point:
+    if not found:
         return Markup("")
+    value, point = found
     inputs = Markup(", ").join(
-        Markup("<code>{}</code> = {}").format(name, _input(value, units.get(name, "")))
-        for name, value in point["inputs"].items()
+        Markup("<code>{}</code> = {}").format(name, _input(at, units.get(name, ""))) for name, at in point.items()
     )
-    return Markup("{} at {}").format(number(repr(point["value"]), of), inputs)
+    return Markup("{} at {}").format(number(repr(value), of), inputs)
 
 
 def _input(value: object, of: str) -> Markup:
     return escape(value) if isinstance(value, str) else number(repr(value), of)
 
 
-def scan_view(scan: Mapping, of: str) -> ScanView:
+def scan_view(scan: Outcome, of: str) -> ScanView:
     """Return a scan as the page shows it; `of` is the unit of its quantity."""
-    units = {entry["name"]: entry["unit"] for entry in scan["inputs"]}
+    units = {entry.name: entry.unit for entry in scan.inputs}
     inputs = []
-    for entry in scan["inputs"]:
-        if "values" in entry:
-            shown = Markup(", ").join(_input(value, entry["unit"]) for value in entry["values"])
+    for entry in scan.inputs:
+        if entry.values:
+            shown = Markup(", ").join(_input(value, entry.unit) for value in entry.values)
         else:
-            shown = span(repr(entry["low"]), repr(entry["high"]), entry["unit"])
-        inputs.append(Markup("<code>{}</code>: {}").format(entry["name"], shown))
-    boundary, turns = scan["boundary"], Markup("")
+            shown = span(repr(entry.low), repr(entry.high), entry.unit)
+        inputs.append(Markup("<code>{}</code>: {}").format(entry.name, shown))
+    boundary, turns = scan.boundary, Markup("")
     if boundary:
-        ends = [_input(boundary[end], units[boundary["input"]]) for end in ("holds", "fails")]
-        turns = Markup("<code>{}</code>: holds at {}, fails at {}").format(boundary["input"], *ends)
+        ends = [_input(end, units[boundary.input]) for end in (boundary.holds, boundary.fails)]
+        turns = Markup("<code>{}</code>: holds at {}, fails at {}").format(boundary.input, *ends)
     return ScanView(
-        scan["samples"], scan["holding"], scan["criterion"], tuple(inputs),
-        span(repr(scan["smallest"]), repr(scan["largest"]), of), turns,
-        _at(scan["holds_at"], of, units), _at(scan["fails_at"], of, units),
+        scan.samples, scan.holding, scan.criterion, tuple(inputs),
+        span(repr(scan.least[0]), repr(scan.greatest[0]), of), turns,
+        _at(scan.holds_at, of, units), _at(scan.fails_at, of, units),
     )  # fmt: skip
 
 

@@ -42,11 +42,11 @@ class PaperPage:
 
     def decided_by(self, parameter: str) -> list[str]:
         """Claims whose scan turns at a parameter that the paper leaves out."""
-        return [c for c, scan in self.found.scans.items() if (scan["boundary"] or {}).get("input") == parameter]
+        return [c for c, scan in self.found.scans.items() if scan.boundary and scan.boundary.input == parameter]
 
     def scanned(self, parameter: str) -> bool:
         """Whether some claim was evaluated over the plausible values of a parameter."""
-        return any(parameter == entry["name"] for scan in self.found.scans.values() for entry in scan["inputs"])
+        return any(parameter == entry.name for scan in self.found.scans.values() for entry in scan.inputs)
 
     def bears_on(self, certificate: str) -> list[str]:
         """Claims that rest on a certificate."""

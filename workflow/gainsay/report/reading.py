@@ -11,6 +11,7 @@ from gainsay.proof import kinds
 from gainsay.tables import Case
 from gainsay.tables.files import read_csv, read_text, shown
 from gainsay.tables.results import FAILURE_COLUMNS, GAIN_COLUMNS, QUANTITY_COLUMNS
+from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 from gainsay.verdicts.table import VERDICT_COLUMNS
 
 CERTIFICATE_COLUMNS = ("certificate", "accepted", "says")
@@ -102,7 +103,7 @@ class PaperResults:
     quantities : dict of quantity to row
     gains, failures : list of row
     certificates : dict of id to CertificateFile
-    scans : dict of claim to the scan's JSON
+    scans : dict of claim to Outcome
     figures, runs, designs : list
     missing : list of str
         A sentence for each result file that is not there.
@@ -114,7 +115,7 @@ class PaperResults:
     gains: list[Row] = field(default_factory=list)
     failures: list[Row] = field(default_factory=list)
     certificates: dict[str, CertificateFile] = field(default_factory=dict)
-    scans: dict[str, dict] = field(default_factory=dict)
+    scans: dict[str, Outcome] = field(default_factory=dict)
     figures: list[FigureFile] = field(default_factory=list)
     runs: list[RunFiles] = field(default_factory=list)
     designs: list[DesignFile] = field(default_factory=list)
@@ -230,9 +231,7 @@ def read_results(case: Case, figure_runs: Mapping[str, Sequence[str]] | None = N
     found.failures = _table(found, "failures", FAILURE_COLUMNS, "whether a computation broke is not known")
     rows = _table(found, "certificates", CERTIFICATE_COLUMNS, "no certificate is checked yet")
     found.certificates = {row["certificate"]: _certificate(found, row) for row in rows}
-    for path in sorted((case.results / "scans").glob("*.json")):
-        content = json.loads(read_text(path, case.root))
-        found.scans[content["claim"]] = content
+    found.scans = outcomes(case, read_scans((case.results / "scans").glob("*.json"), case.root))
     _pictures(found, figure_runs)
     _designs(found)
     return found

@@ -320,7 +320,7 @@ class Results:
 
     def scan(self, scan: Any) -> None:
         """Write a scan over plausible inputs."""
-        write_json(self._file(f"scans/{scan.claim}.json"), scan.to_json())
+        write_json(self._file(f"scans/{scan.quantity}.json"), scan.to_json())
 
     def attempt(self, where: str, content: object) -> None:
         """Keep a solver's log or a timing; not deterministic, never compared."""

@@ -1,6 +1,5 @@
 """What the steps found about a paper, read from its result files."""
 
-import json
 import math
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -8,8 +7,8 @@ from fractions import Fraction
 from gainsay.errors import CertificateError
 from gainsay.proof import check, read_certificate
 from gainsay.tables import Case
-from gainsay.tables.files import read_text
 from gainsay.tables.results import read_part
+from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ class Evidence:
     certificates : dict of certificate id to sentence
         Accepted ones.
     refused : dict of certificate id to reason
-    scans : dict of claim to the scan's JSON
+    scans : dict of claim to Outcome
     failures : list of dict
         step, where, task, message.
     """
@@ -72,7 +71,7 @@ class Evidence:
     concluded: dict[str, list[Concluded]] = field(default_factory=dict)
     certificates: dict[str, str] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
-    scans: dict[str, dict] = field(default_factory=dict)
+    scans: dict[str, Outcome] = field(default_factory=dict)
     failures: list[dict[str, str]] = field(default_factory=list)
 
     def proved_range(self, quantity: str) -> tuple[Fraction | float, Fraction | float, list[Concluded]]:
@@ -130,7 +129,6 @@ def read_evidence(case: Case) -> Evidence:
             evidence.concluded.setdefault(conclusion.quantity, []).append(
                 Concluded(conclusion.relation, low, high, path.stem, proof.theorem)
             )
-    for path in (path for path in listed if path.parent.name == "scans"):
-        scan = json.loads(read_text(path, case.root))
-        evidence.scans[scan["claim"]] = scan
+    scans = read_scans((path for path in listed if path.parent.name == "scans"), case.root)
+    evidence.scans = outcomes(case, scans)
     return evidence

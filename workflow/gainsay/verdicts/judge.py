@@ -6,10 +6,12 @@ from fractions import Fraction
 
 from gainsay.exact.digits import PrintedNumber
 from gainsay.tables import Case
-from gainsay.tables.lint import PROVED, published_ends
+from gainsay.tables.lint import PROVED
 from gainsay.tables.models import Claim
 from gainsay.tables.units import to_si
+from gainsay.verdicts.criterion import criterion
 from gainsay.verdicts.evidence import Evidence, Found
+from gainsay.verdicts.outcome import Outcome
 
 #: worst first: a claim that joins others is as good as the worst of them
 SEVERITY = ("failed", "contradicted", "undetermined", "uncheckable", "reproduced")
@@ -46,31 +48,6 @@ class Judgement:
     witness: str = ""
     certificate: str = ""
     note: str = ""
-
-
-def _compare(claim: Claim, low: Number, high: Number, tolerance: Fraction) -> bool | None:
-    """Say whether the claim holds for every value in low..high (True), for none (False), or for some (None)."""
-    factor = to_si(claim.unit)[1]
-    if claim.comparator == "inside":
-        ends = published_ends(claim.published)
-        floor, ceiling = ends[0].value * factor - tolerance, ends[1].value * factor + tolerance
-    else:
-        value = PrintedNumber(claim.published).value * factor
-        floor = -math.inf if claim.comparator == "at_most" else value - tolerance
-        ceiling = math.inf if claim.comparator == "at_least" else value + tolerance
-    if floor <= low and high <= ceiling:
-        return True
-    if high < floor or low > ceiling:
-        return False
-    return None
-
-
-def _tolerance(claim: Claim) -> Fraction:
-    """Return the absolute tolerance in SI: as stated, else half a printed unit where equality is meant."""
-    factor = to_si(claim.unit)[1]
-    if claim.tolerance:
-        return PrintedNumber(claim.tolerance).value * factor
-    return PrintedNumber(claim.published).half_unit * factor if claim.comparator == "equal" else Fraction(0)
 
 
 def _in_unit(claim: Claim, value: Fraction | float | None) -> float | None:
@@ -115,35 +92,21 @@ def _judge_feasibility(case: Case, claim: Claim, evidence: Evidence) -> Judgemen
     )  # fmt: skip
 
 
-def _scan_agrees(claim: Claim, scan: dict, found: Found | None) -> bool:
-    """Say whether the extreme values of a scan, and the value at our own filling, bear out its outcome.
+def _judge_scan(claim: Claim, scan: Outcome, found: Found | None) -> Judgement:
+    """Judge a claim over the plausible values of what the paper leaves out.
 
-    They are held against the claim's own comparator, so that a scan cannot count by another rule.
+    The value at our own filling is one plausible value more: it must bear out what the samples say.
     """
-    if claim.comparator not in ("equal", "at_most", "at_least", "inside"):
-        return True
-    values = [scan["smallest"], scan["largest"]]
-    outcomes = [_compare(claim, value, value, _tolerance(claim)) for value in values]
-    own = [] if found is None else [_compare(claim, found.value, found.value, _tolerance(claim))]
-    if scan["outcome"] == "holds":
-        return all(outcomes + own)
-    if scan["outcome"] == "fails":
-        return not any(outcomes + own)
-    return not all(outcomes)
-
-
-def _judge_scan(claim: Claim, scan: dict, found: Found | None) -> Judgement:
-    """Judge a claim over the plausible values of what the paper leaves out."""
-    if scan["quantity"] != claim.quantity:
-        return Judgement("failed", note=f"the scan is about {scan['quantity']}, the claim about {claim.quantity}")
-    if not _scan_agrees(claim, scan, found):
-        values = f"{scan['smallest']!r}..{scan['largest']!r}" + ("" if found is None else f" and {found.value!r}")
-        return Judgement("failed", note=f"the scan says {scan['outcome']}, the claim at {values} says otherwise")
-    verdict = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined"}[scan["outcome"]]
-    ends = [None if scan.get(end) is None else _in_unit(claim, scan[end]) for end in ("smallest", "largest")]
+    if found is not None and scan.outcome != "depends":
+        own = "holds" if criterion(claim).holds(found.value) else "fails"
+        if own != scan.outcome:
+            note = f"every sample of the scan {scan.outcome}, our own filling, {found.value!r}, does not"
+            return Judgement("failed", note=note)
+    verdict = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined"}[scan.outcome]
+    ends = [_in_unit(claim, value) for value, _ in (scan.least, scan.greatest)]
     return Judgement(
-        verdict, evidence=f"scanned {scan['samples']}", range_low=ends[0], range_high=ends[1],
-        witness=scan["witness"], note=scan["note"],
+        verdict, evidence=f"scanned {scan.samples}", range_low=ends[0], range_high=ends[1], witness=scan.witness,
+        note=scan.note,
     )  # fmt: skip
 
 
@@ -215,9 +178,9 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     }
     if claim.comparator == "less_than":
         return _judge_order(case, claim, evidence, low, high, shared)
-    tolerance = _tolerance(claim)
-    holds = _compare(claim, low, high, tolerance)
-    shared["tolerance"] = _in_unit(claim, tolerance)
+    wanted = criterion(claim)
+    holds = wanted.holds_on(low, high)
+    shared["tolerance"] = _in_unit(claim, wanted.tolerance)
     if holds and claim.kind == "stability" and not _strict(claim, evidence):
         return Judgement("failed", note="proved up to the boundary: stability needs a strict inequality", **shared)
     if holds is None:
@@ -267,7 +230,7 @@ def judge(case: Case, claim: Claim, evidence: Evidence, verdicts: dict[str, str]
         at_fault = [part for part in parts if verdicts[part] == worst]
         witness = "" if worst == "reproduced" else f"{worst}: {' '.join(at_fault)}"
         return Judgement(worst, evidence="joined", witness=witness)
-    if claim.id in evidence.scans and (claim.kind not in PROVED or evidence.scans[claim.id]["outcome"] == "depends"):
+    if claim.id in evidence.scans and (claim.kind not in PROVED or evidence.scans[claim.id].outcome == "depends"):
         return _judge_scan(claim, evidence.scans[claim.id], evidence.found.get(claim.quantity))
     boolean = any(c.relation in ("holds", "fails") for c in evidence.concluded.get(claim.quantity, []))
     if claim.comparator in ("feasible", "infeasible") or (

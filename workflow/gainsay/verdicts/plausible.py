@@ -75,6 +75,11 @@ class Plausible:
         ends = {"values": list(self.values)} if self.values else {"low": self.low, "high": self.high}
         return {"name": self.name, "unit": self.unit, **ends, "logarithmic": self.logarithmic}
 
+    @classmethod
+    def from_json(cls, entry: Mapping[str, Any]) -> "Plausible":
+        """Return the input that a result file speaks of."""
+        return cls(**{**entry, "values": tuple(entry.get("values", ()))})
+
 
 def plausible(case: Any, name: str, *, logarithmic: bool = False) -> Plausible:
     """Read the plausible values of a parameter from a paper's table, in SI units.
@@ -107,6 +112,11 @@ def plausible(case: Any, name: str, *, logarithmic: bool = False) -> Plausible:
     return Plausible(
         name, unit, values=tuple(float(w) * float(factor) for w in words) if row.type == "number" else tuple(words)
     )
+
+
+def distance(inputs: Sequence[Plausible], one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
+    """Return the square of the distance of two points, each input as a fraction of its range."""
+    return sum((p.fraction(one[p.name]) - p.fraction(other[p.name])) ** 2 for p in inputs)
 
 
 def fractions(dimensions: int, seed: int) -> Iterator[tuple[float, ...]]:

@@ -1,6 +1,5 @@
 """The values on record: `make record` writes them and nothing else does."""
 
-import json
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
@@ -8,33 +7,33 @@ from typing import Any
 from gainsay.errors import ComputationError, GainsayError
 from gainsay.proof import formulas_digest, read_certificate
 from gainsay.tables import Case
-from gainsay.tables.files import cell, read_records, read_text, write_csv
+from gainsay.tables.files import cell, read_records, write_csv
 from gainsay.tables.models import Recorded, RecordedCertificate, RecordedScan, Toleranced, columns
 from gainsay.tables.results import read_part
+from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 from gainsay.verdicts.tolerance import ROUNDING, decimal_above, proposed
 
 
-def scan_items(scan: Mapping[str, Any]) -> dict[str, tuple[str, bool]]:
-    """Return what a scan found: item -> text of the value, and whether it is a number computed in doubles."""
-    boundary = scan["boundary"] or {}
+def scan_items(scan: Outcome) -> dict[str, tuple[str, bool]]:
+    """Return what a scan says of a claim: item -> text of the value, and whether it is a number computed in doubles."""
+    holds, fails = (None, None) if scan.boundary is None else (scan.boundary.holds, scan.boundary.fails)
     found = {
-        "outcome": (scan["outcome"], False),
-        "samples": (cell(scan["samples"]), False),
-        "holding": (cell(scan["holding"]), False),
-        "smallest": (cell(scan["smallest"]), True),
-        "largest": (cell(scan["largest"]), True),
-        "turns_on": (boundary.get("input", ""), False),
-        "holds_at": (cell(boundary.get("holds")), isinstance(boundary.get("holds"), float)),
-        "fails_at": (cell(boundary.get("fails")), isinstance(boundary.get("fails"), float)),
+        "outcome": (scan.outcome, False),
+        "samples": (cell(scan.samples), False),
+        "holding": (cell(scan.holding), False),
+        "smallest": (cell(scan.least[0]), True),
+        "largest": (cell(scan.greatest[0]), True),
+        "turns_on": ("" if scan.boundary is None else scan.boundary.input, False),
+        "holds_at": (cell(holds), isinstance(holds, float)),
+        "fails_at": (cell(fails), isinstance(fails, float)),
     }
     return {item: (text, number) for item, (text, number) in found.items() if text}
 
 
-def scans_of(case: Case) -> dict[str, dict[str, Any]]:
-    """Return the scans that the steps of a paper list as theirs, by claim."""
-    files = sorted({row["file"] for row in read_part(case, "files") if row["file"].startswith("scans/")})
-    scans = (json.loads(read_text(case.results / file, case.root)) for file in files)
-    return {scan["claim"]: scan for scan in scans}
+def scans_of(case: Case) -> dict[str, Outcome]:
+    """Return what the scans that the steps of a paper list as theirs say, by claim."""
+    files = {case.results / row["file"] for row in read_part(case, "files") if row["file"].startswith("scans/")}
+    return outcomes(case, read_scans(files, case.root))
 
 
 def certificates_of(case: Case) -> dict[str, str]:
@@ -94,7 +93,7 @@ def _scan_rows(case: Case) -> Iterator[tuple[tuple[str, ...], str]]:
     exact = ("exact", "0", "0", "a count, or a word")
     rounding = ("rounding", ROUNDING, "0", "rounding of doubles, with a condition of up to a million")
     for claim, scan in scans_of(case).items():
-        unit = case.quantities[scan["quantity"]].unit
+        unit = case.quantities[scan.quantity].unit
         for item, (value, number) in scan_items(scan).items():
             before = case.recorded_scans.get((claim, item))
             value = _below_floor(before, value)

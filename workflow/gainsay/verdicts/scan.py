@@ -1,9 +1,9 @@
-"""A claim over every plausible value of what a paper leaves out: sampled evenly, its boundary located by bisection.
+"""A quantity over every plausible value of what a paper leaves out: sampled evenly, with where its claims turn.
 
-The samples are a Halton sequence, of low discrepancy, with a shift drawn from a seed, and the corners of the ranges. A
-claim that holds at every sample holds for every plausible input, one that fails at every sample fails; else two samples
-with different outcomes are joined by changing one input at a time, and the input at which the outcome turns is
-bisected.
+The samples are a Halton sequence, of low discrepancy, with a shift drawn from a seed, and the corners of the ranges.
+What is written are values and the inputs they belong to; whether a claim holds is said where verdicts are made. A claim
+says where to look closer: two samples of which it holds at one alone are joined by changing one input at a time, and
+the input at which it turns is bisected.
 
 References
 ----------
@@ -16,35 +16,21 @@ from dataclasses import dataclass
 from typing import Any
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.verdicts.plausible import Plausible, Point, corners, fractions, plausible, sample
+from gainsay.verdicts.criterion import NUMERIC, criterion
+from gainsay.verdicts.plausible import Plausible, Point, corners, distance, fractions, plausible, sample
 
-__all__ = ["Boundary", "Plausible", "Point", "Scan", "corners", "fractions", "plausible", "sample", "scan"]
+__all__ = ["Plausible", "Point", "Scan", "corners", "fractions", "plausible", "sample", "scan"]
 
 #: fewest samples on which a verdict may rest
 LEAST_SAMPLES = 200
 _MOST_CUTS = 60
+#: pairs of samples with different outcomes that are tried, nearest first
+_MOST_PAIRS = 50
 #: parts into which a boundary is cut at a time: bisection, or many where points are evaluated together
 _HALVES, _TOGETHER = 2, 32
 
-
-@dataclass(frozen=True)
-class Boundary:
-    """Where the outcome turns along one input, all others fixed.
-
-    Attributes
-    ----------
-    input : str
-    holds, fails : value
-        The two values of the input between which the outcome turns; adjacent to the bisection's width, or two
-        values of a choice.
-    at : Point
-        All inputs at the value that holds.
-    """
-
-    input: str
-    holds: Any
-    fails: Any
-    at: Point
+Pair = tuple[float, Point]
+Holds = Callable[[float], bool]
 
 
 @dataclass(frozen=True)
@@ -53,132 +39,70 @@ class Scan:
 
     Attributes
     ----------
-    claim, quantity : str
+    quantity : str
     inputs : tuple of Plausible
-    samples, holding : int
-        Points evaluated, scattered ones and corners, and those at which the claim holds.
     seed : int
-    least, greatest : (float, Point)
-        Smallest and largest value of the quantity with their inputs.
-    holds_at, fails_at : (float, Point) or None
-        A sample with each outcome, joined by `boundary`.
-    boundary : Boundary or None
-    criterion : str
-        What it means to hold, one phrase.
+    found : tuple of (float, Point)
+        The quantity at every sample, scattered ones first, then the corners.
+    crossings : tuple of pairs of (float, Point)
+        Two points that differ in one input, close to each other or two values of a choice, between which a claim turns.
     """
 
-    claim: str
     quantity: str
     inputs: tuple[Plausible, ...]
-    samples: int
-    holding: int
     seed: int
-    least: tuple[float, Point]
-    greatest: tuple[float, Point]
-    holds_at: tuple[float, Point] | None
-    fails_at: tuple[float, Point] | None
-    boundary: Boundary | None
-    criterion: str
-
-    @property
-    def outcome(self) -> str:
-        """``holds`` for every sample, ``fails`` for every sample, or ``depends``."""
-        if self.holding == self.samples:
-            return "holds"
-        return "fails" if self.holding == 0 else "depends"
-
-    def _phrase(self, found: tuple[float, Point] | None) -> str:
-        if found is None:
-            return ""
-        units = {p.name: p.unit for p in self.inputs}
-        at = ", ".join(f"{k} = {_short(v)} {units[k]}".removesuffix(" 1") for k, v in found[1].items())
-        return f"{self.quantity} = {_short(found[0])} at {at}"
-
-    @property
-    def witness(self) -> str:
-        """One sentence: the counterexample, or both outcomes with the boundary between them."""
-        if self.outcome == "holds":
-            return ""
-        if self.outcome == "fails" or self.boundary is None:
-            return self._phrase(self.fails_at)
-        unit = next(p.unit for p in self.inputs if p.name == self.boundary.input)
-        turns = (
-            f"depends on {self.boundary.input}: holds at {_short(self.boundary.holds)}, "
-            f"fails at {_short(self.boundary.fails)} {unit}".removesuffix(" 1")
-        )
-        return f"{turns}; holds: {self._phrase(self.holds_at)}; fails: {self._phrase(self.fails_at)}"
+    found: tuple[Pair, ...]
+    crossings: tuple[tuple[Pair, Pair], ...]
 
     @property
     def note(self) -> str:
-        """How many samples hold, and what holding means."""
-        return f"holds at {self.holding} of {self.samples} plausible inputs ({self.criterion})"
+        """Between which values the quantity lies, over how many samples."""
+        values = [value for value, _ in self.found]
+        return f"{min(values):.5g} to {max(values):.5g} over {len(values)} plausible inputs"
 
     def to_json(self) -> dict[str, Any]:
         """Return the content of the result file."""
 
-        def pair(found: tuple[float, Point] | None) -> dict[str, Any] | None:
-            return None if found is None else {"value": found[0], "inputs": found[1]}
+        def row(point: Point) -> list[Any]:
+            return [point[p.name] for p in self.inputs]
 
         return {
-            "claim": self.claim,
             "quantity": self.quantity,
-            "criterion": self.criterion,
-            "outcome": self.outcome,
-            "samples": self.samples,
-            "holding": self.holding,
             "seed": self.seed,
             "sequence": "Halton, seeded shift; and the corners of the plausible values",
             "inputs": [p.to_json() for p in self.inputs],
-            "smallest": self.least[0],
-            "largest": self.greatest[0],
-            "smallest_at": self.least[1],
-            "largest_at": self.greatest[1],
-            "holds_at": pair(self.holds_at),
-            "fails_at": pair(self.fails_at),
-            "boundary": None
-            if self.boundary is None
-            else {
-                "input": self.boundary.input,
-                "holds": self.boundary.holds,
-                "fails": self.boundary.fails,
-                "at": self.boundary.at,
-            },
-            "witness": self.witness,
-            "note": self.note,
+            "values": [value for value, _ in self.found],
+            "points": [row(point) for _, point in self.found],
+            "crossings": [
+                {"values": [value for value, _ in pair], "points": [row(point) for _, point in pair]}
+                for pair in self.crossings
+            ],
         }
 
 
-def _short(value: Any) -> str:
-    return f"{value:.5g}" if isinstance(value, float) else str(value)
-
-
 def scan(
-    claim: str,
+    case: Any,
     quantity: str,
     inputs: Sequence[Plausible],
-    evaluate: Callable[[Mapping], float],
-    holds: Callable[[float], bool],
+    evaluate: Callable[[Mapping], float] | None = None,
     *,
-    criterion: str,
     samples: int = 256,
     seed: int = 0,
     admissible: Callable[[Mapping], bool] | None = None,
     width: float = 1e-3,
     together: Callable[[Sequence[Point]], Sequence[float]] | None = None,
 ) -> Scan:
-    """Evaluate a claim over the plausible inputs and locate the boundary where its outcome turns.
+    """Evaluate a quantity over the plausible inputs and locate where the claims on it turn.
 
     Parameters
     ----------
-    claim, quantity : str
-        Ids of the claim and of the quantity that it speaks of.
+    case : gainsay.tables.Case
+        Its claims on the quantity say where to look closer.
+    quantity : str
+        In SI, as declared in the paper's quantities.csv.
     inputs : sequence of Plausible
-    evaluate : callable
+    evaluate : callable, optional
         Mapping of input names to values -> the quantity; must be deterministic.
-    holds : callable
-        Value of the quantity -> whether the claim holds.
-    criterion : str
-        What it means to hold, one phrase.
     samples : int
         At least `LEAST_SAMPLES`; the corners of the plausible values come beside them.
     seed : int
@@ -187,7 +111,7 @@ def scan(
     width : float
         Fraction of an input's range at which the bisection stops.
     together : callable, optional
-        Points -> the quantity at each, where that is cheaper than one by one: it serves the samples and the corners.
+        Points -> the quantity at each, instead of `evaluate` where that is cheaper than one by one.
 
     Raises
     ------
@@ -197,72 +121,63 @@ def scan(
         If the quantity cannot be computed at a sample: nothing is passed over.
     """
     if samples < LEAST_SAMPLES:
-        raise InputError("samples of a scan", field=claim, value=samples, expected=f"at least {LEAST_SAMPLES}")
+        raise InputError("samples of a scan", field=quantity, value=samples, expected=f"at least {LEAST_SAMPLES}")
 
     def value_at(point: Point) -> float:
         try:
-            value = float(evaluate(dict(point)))
+            return float(evaluate(dict(point)))  # type: ignore[misc]  # one of the two is given
         except (ComputationError, InputError) as error:
-            raise ComputationError(claim, f"scan broke at {point}: {error}") from error
-        if math.isnan(value):
-            raise ComputationError(claim, f"scan broke at {point}: the quantity is not a number")
-        return value
-
-    points = [*sample(inputs, samples, seed, admissible), *corners(inputs, admissible)]
+            raise ComputationError(quantity, f"scan broke at {point}: {error}") from error
 
     def values_at(points: Sequence[Point]) -> list[float]:
-        if together is None:
-            return [value_at(point) for point in points]
-        values = [float(value) for value in together(points)]
-        if any(math.isnan(value) for value in values):
-            raise ComputationError(claim, "scan broke: the quantity is not a number at a sample")
+        values = [value_at(point) for point in points] if together is None else [float(v) for v in together(points)]
+        for value, point in zip(values, points, strict=True):
+            if math.isnan(value):
+                raise ComputationError(quantity, f"scan broke at {point}: the quantity is not a number")
         return values
 
+    points = [*sample(inputs, samples, seed, admissible), *corners(inputs, admissible)]
     found = list(zip(values_at(points), points, strict=True))
-    good = [pair for pair in found if holds(pair[0])]
-    bad = [pair for pair in found if not holds(pair[0])]
-    boundary, first_good, first_bad = None, next(iter(good), None), next(iter(bad), None)
-    if good and bad:
-        parts = _HALVES if together is None else _TOGETHER
-        boundary, first_good, first_bad = _boundary(inputs, good, bad, values_at, holds, admissible, width, parts)
-    by_value = sorted(found, key=lambda pair: pair[0])
-    return Scan(
-        claim, quantity, tuple(inputs), len(found), len(good), seed, by_value[0], by_value[-1], first_good, first_bad,
-        boundary, criterion,
-    )  # fmt: skip
+    parts = _HALVES if together is None else _TOGETHER
+    crossings = []
+    for claim in case.claims.values():
+        if claim.quantity == quantity and claim.comparator in NUMERIC:
+            crossings += _crossing(inputs, found, values_at, criterion(claim).holds, admissible, width, parts)
+    return Scan(quantity, tuple(inputs), seed, tuple(found), tuple(crossings))
 
 
-def _boundary(
+def _crossing(
     inputs: Sequence[Plausible],
-    good: list,
-    bad: list,
+    found: Sequence[Pair],
     values_at: Callable[[Sequence[Point]], list[float]],
-    holds: Callable[[float], bool],
+    holds: Holds,
     admissible: Callable[[Mapping], bool] | None,
     width: float,
     parts: int,
-) -> tuple[Boundary | None, tuple[float, Point], tuple[float, Point]]:
+) -> list[tuple[Pair, Pair]]:
     """Join the nearest pair of different outcomes one input at a time and bisect the input that turns it."""
-
-    def distance(a: Point, b: Point) -> float:
-        return sum((p.fraction(a[p.name]) - p.fraction(b[p.name])) ** 2 for p in inputs)
-
-    nearest = sorted(
-        ((distance(g[1], b[1]), i, j) for i, g in enumerate(good) for j, b in enumerate(bad)), key=lambda t: t
-    )
-    for _, i, j in nearest[:50]:
+    good = [pair for pair in found if holds(pair[0])]
+    bad = [pair for pair in found if not holds(pair[0])]
+    nearest = sorted((distance(inputs, g[1], b[1]), i, j) for i, g in enumerate(good) for j, b in enumerate(bad))
+    for _, i, j in nearest[:_MOST_PAIRS]:
         path = _turn(inputs, good[i], bad[j], values_at, holds, admissible)
         if path is None:
             continue
         turning, inside, outside = path
         if not turning.values:
             inside, outside = _narrow(turning, inside, outside, values_at, holds, width, parts)
-        name = turning.name
-        return Boundary(name, inside[1][name], outside[1][name], inside[1]), inside, outside
-    return None, good[nearest[0][1]], bad[nearest[0][2]]
+        return [(inside, outside)]
+    return []
 
 
-def _turn(inputs, start, end, values_at, holds, admissible) -> tuple[Plausible, tuple, tuple] | None:
+def _turn(
+    inputs: Sequence[Plausible],
+    start: Pair,
+    end: Pair,
+    values_at: Callable[[Sequence[Point]], list[float]],
+    holds: Holds,
+    admissible: Callable[[Mapping], bool] | None,
+) -> tuple[Plausible, Pair, Pair] | None:
     """Walk from a point that holds to one that fails; return the input at whose change the outcome turns."""
     before = start
     for changed in inputs:
@@ -278,7 +193,15 @@ def _turn(inputs, start, end, values_at, holds, admissible) -> tuple[Plausible, 
     return None
 
 
-def _narrow(turning, inside, outside, values_at, holds, width, parts) -> tuple[tuple, tuple]:
+def _narrow(
+    turning: Plausible,
+    inside: Pair,
+    outside: Pair,
+    values_at: Callable[[Sequence[Point]], list[float]],
+    holds: Holds,
+    width: float,
+    parts: int,
+) -> tuple[Pair, Pair]:
     """Narrow the boundary: cut it into so many parts at a time, keep the first in which the outcome turns."""
     low, high = turning.fraction(inside[1][turning.name]), turning.fraction(outside[1][turning.name])
     for _ in range(_MOST_CUTS):

@@ -1,0 +1,167 @@
+"""What a scan says of a claim: its values are held against the claim's criterion here, not where they were computed."""
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gainsay.tables import Case
+from gainsay.tables.files import read_text
+from gainsay.tables.models import Claim
+from gainsay.verdicts.criterion import NUMERIC, Criterion, criterion
+from gainsay.verdicts.plausible import Plausible, Point, distance
+
+Pair = tuple[float, Point]
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """Where the outcome turns along one input, all others fixed.
+
+    Attributes
+    ----------
+    input : str
+    holds, fails : value
+        The two values of the input between which the outcome turns; adjacent to the bisection's width, or two
+        values of a choice.
+    at : Point
+        All inputs at the value that holds.
+    """
+
+    input: str
+    holds: Any
+    fails: Any
+    at: Point
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A scan under a claim.
+
+    Attributes
+    ----------
+    claim, quantity : str
+    inputs : tuple of Plausible
+    samples, holding : int
+        Points evaluated, scattered ones and corners, and those at which the claim holds.
+    least, greatest : (float, Point)
+        Smallest and largest value of the quantity with their inputs.
+    holds_at, fails_at : (float, Point) or None
+        A sample with each outcome, joined by `boundary`.
+    boundary : Boundary or None
+    criterion : str
+        What it means to hold, one phrase.
+    """
+
+    claim: str
+    quantity: str
+    inputs: tuple[Plausible, ...]
+    samples: int
+    holding: int
+    least: Pair
+    greatest: Pair
+    holds_at: Pair | None
+    fails_at: Pair | None
+    boundary: Boundary | None
+    criterion: str
+
+    @property
+    def outcome(self) -> str:
+        """``holds`` for every sample, ``fails`` for every sample, or ``depends``."""
+        if self.holding == self.samples:
+            return "holds"
+        return "fails" if self.holding == 0 else "depends"
+
+    def _phrase(self, found: Pair | None) -> str:
+        if found is None:
+            return ""
+        units = {p.name: p.unit for p in self.inputs}
+        at = ", ".join(f"{k} = {_short(v)} {units[k]}".removesuffix(" 1") for k, v in found[1].items())
+        return f"{self.quantity} = {_short(found[0])} at {at}"
+
+    @property
+    def witness(self) -> str:
+        """One sentence: the counterexample, or both outcomes with the boundary between them."""
+        if self.outcome == "holds":
+            return ""
+        if self.outcome == "fails" or self.boundary is None:
+            return self._phrase(self.fails_at)
+        unit = next(p.unit for p in self.inputs if p.name == self.boundary.input)
+        turns = (
+            f"depends on {self.boundary.input}: holds at {_short(self.boundary.holds)}, "
+            f"fails at {_short(self.boundary.fails)} {unit}".removesuffix(" 1")
+        )
+        return f"{turns}; holds: {self._phrase(self.holds_at)}; fails: {self._phrase(self.fails_at)}"
+
+    @property
+    def note(self) -> str:
+        """How many samples hold, and what holding means."""
+        return f"holds at {self.holding} of {self.samples} plausible inputs ({self.quantity} {self.criterion})"
+
+
+def _short(value: Any) -> str:
+    return f"{value:.5g}" if isinstance(value, float) else str(value)
+
+
+def read_scans(paths: Iterable[Path], root: Path) -> dict[str, dict[str, Any]]:
+    """Return the content of scan files by the quantity scanned."""
+    scans = (json.loads(read_text(path, root)) for path in sorted(paths))
+    return {scan["quantity"]: scan for scan in scans}
+
+
+def outcomes(case: Case, scans: Mapping[str, Mapping[str, Any]]) -> dict[str, Outcome]:
+    """Hold scans against the claims on their quantities.
+
+    Parameters
+    ----------
+    case : Case
+    scans : mapping of quantity to content of its file
+
+    Returns
+    -------
+    dict of claim to Outcome
+        In the order of the claims' ids.
+    """
+    scanned = [c for c in case.claims.values() if c.quantity in scans and c.comparator in NUMERIC]
+    return {c.id: outcome(c, scans[c.quantity]) for c in sorted(scanned, key=lambda claim: claim.id)}
+
+
+def outcome(claim: Claim, scan: Mapping[str, Any]) -> Outcome:
+    """Hold a scan against a claim on its quantity."""
+    inputs = tuple(Plausible.from_json(entry) for entry in scan["inputs"])
+
+    def pair(value: float, row: list[Any]) -> Pair:
+        return value, dict(zip((p.name for p in inputs), row, strict=True))
+
+    wanted = criterion(claim)
+    found = [pair(value, row) for value, row in zip(scan["values"], scan["points"], strict=True)]
+    good = [one for one in found if wanted.holds(one[0])]
+    bad = [one for one in found if not wanted.holds(one[0])]
+    holds_at, fails_at, boundary = next(iter(good), None), next(iter(bad), None), None
+    if good and bad:
+        crossings = [tuple(map(pair, c["values"], c["points"])) for c in scan["crossings"]]
+        boundary, holds_at, fails_at = _boundary(inputs, wanted, crossings, good, bad)
+    by_value = sorted(found, key=lambda one: one[0])
+    return Outcome(
+        claim.id, scan["quantity"], inputs, len(found), len(good), by_value[0], by_value[-1], holds_at, fails_at,
+        boundary, wanted.phrase,
+    )  # fmt: skip
+
+
+def _boundary(
+    inputs: tuple[Plausible, ...],
+    wanted: Criterion,
+    crossings: list[tuple[Pair, Pair]],
+    good: list[Pair],
+    bad: list[Pair],
+) -> tuple[Boundary | None, Pair, Pair]:
+    """Return the crossing at which the criterion turns, else no boundary and the nearest pair of outcomes."""
+    for first, second in crossings:
+        if wanted.holds(first[0]) == wanted.holds(second[0]):
+            continue
+        inside, outside = (first, second) if wanted.holds(first[0]) else (second, first)
+        name = next(p.name for p in inputs if inside[1][p.name] != outside[1][p.name])
+        return Boundary(name, inside[1][name], outside[1][name], inside[1]), inside, outside
+    _, i, j = min((distance(inputs, g[1], b[1]), i, j) for i, g in enumerate(good) for j, b in enumerate(bad))
+    return None, good[i], bad[j]
