@@ -3,6 +3,24 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+#: characters of a message at most, and of a part of it that repeats what was found
+LONGEST, LONGEST_PART = 300, 100
+
+
+def one_line(text: str, longest: int = LONGEST) -> str:
+    """Return a text as one line of at most so many characters, without anything that a terminal would obey.
+
+    What is too long loses its middle: ends say more.
+
+    Examples
+    --------
+    >>> one_line("0123456789", 7)
+    '012…789'
+    """
+    shown = "".join(c if c.isprintable() else " " for c in text)
+    half = (longest - 1) // 2
+    return shown if len(shown) <= longest else f"{shown[: longest - 1 - half]}…{shown[len(shown) - half :]}"
+
 
 class GainsayError(Exception):
     """Base of every error that Gainsay raises on purpose."""
@@ -42,20 +60,28 @@ class InputError(GainsayError, ValueError):
         super().__init__(self._line())
 
     def _line(self) -> str:
-        place = "" if self.file is None else str(self.file)
+        place = "" if self.file is None else one_line(str(self.file), LONGEST_PART)
         if self.row is not None:
             place += f":{self.row}"
         parts = [place] if place else []
         what = [self.message] if self.message else []
         if self.field is not None:
-            what.append(str(self.field))
+            what.append(one_line(str(self.field), LONGEST_PART))
         if self.value is not None:
-            what.append(repr(self.value))
+            what.append(_found(self.value))
         if what:
             parts.append(" ".join(what))
         if self.expected is not None:
             parts.append(f"expected {self.expected}")
-        return ": ".join(parts).replace("\n", " ")
+        return one_line(": ".join(parts))
+
+
+def _found(value: object) -> str:
+    """Show a value as found, shortened; a number too long to be written out has no text of its own."""
+    try:
+        return one_line(repr(value), LONGEST_PART)
+    except (ValueError, RecursionError):
+        return "a value too large to be shown"
 
 
 class LogError(InputError):
@@ -81,4 +107,4 @@ class ComputationError(GainsayError, ArithmeticError):
 
     def __init__(self, where: str, message: str, attempts: Sequence[dict] = ()) -> None:
         self.where, self.message, self.attempts = where, message, tuple(attempts)
-        super().__init__(f"{where}: {message}".replace("\n", " "))
+        super().__init__(one_line(f"{where}: {message}"))

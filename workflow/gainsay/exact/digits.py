@@ -9,6 +9,7 @@ from gainsay.errors import InputError
 
 # ASCII digits only (\d alone takes those of other scripts); the exponent stays within what a double can hold
 _DECIMAL = re.compile(r"[+-]?(?P<whole>\d+)(?:\.(?P<decimals>\d+))?(?:[eE](?P<exponent>[+-]?\d{1,2}))?", re.ASCII)
+_LONGEST = 100  # no paper prints more; thousands of digits are no number but an attack on whoever converts them
 EXPECTED = "a decimal number such as -8.8129e-4"
 
 
@@ -24,13 +25,13 @@ class PrintedNumber:
     Raises
     ------
     InputError
-        If the text is anything but such a number.
+        If the text is anything but such a number, or longer than 100 characters.
     """
 
     text: str
 
     def __post_init__(self) -> None:
-        if _DECIMAL.fullmatch(self.text) is None:
+        if len(self.text) > _LONGEST or _DECIMAL.fullmatch(self.text) is None:
             raise InputError("printed number", value=self.text, expected=EXPECTED)
 
     @cached_property
@@ -57,3 +58,24 @@ class PrintedNumber:
 
     def __float__(self) -> float:
         return float(self.value)
+
+
+_DOUBLE = re.compile(r"-?(\d{1,25}(\.\d{1,25})?(e[+-]\d{2,3})?|inf)|nan", re.ASCII)
+
+
+def double(text: str) -> float:
+    """Return the double that a text stands for as `repr` writes one; also ``nan``, ``inf`` and ``-inf``.
+
+    Raises
+    ------
+    InputError
+        If it is anything else, such as `1_5` or digits of another script, which `float` would read.
+
+    Examples
+    --------
+    >>> double("-8.8129e-04")
+    -0.00088129
+    """
+    if _DOUBLE.fullmatch(text) is None:
+        raise InputError("number", value=text, expected="a number as `repr` writes it")
+    return float(text)

@@ -8,9 +8,13 @@ of proof are found by their names.
 import ast
 import csv
 import hashlib
+import io
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
+
+from gainsay.errors import InputError
+from gainsay.tables.files import read_text
 
 #: the modules of a paper that each step runs
 PAPER_MODULES = {
@@ -127,9 +131,9 @@ def table_digest(root: Path, paper: str) -> str:
     for table, columns in COLUMNS.items():
         path = root / "papers" / paper / table
         try:
-            with path.open(newline="", encoding="utf-8") as file:
-                rows = [[row.get(column) for column in columns] for row in csv.DictReader(file)]
-        except (OSError, UnicodeDecodeError, csv.Error):
+            table = csv.DictReader(io.StringIO(read_text(path), newline=""))
+            rows = [[row.get(column) for column in columns] for row in table]
+        except (InputError, csv.Error):
             rows = [[str(path)]]  # whatever is wrong with it, the steps refuse it
         digest.update(repr(rows).encode())
     return digest.hexdigest()

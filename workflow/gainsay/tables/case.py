@@ -14,7 +14,7 @@ import numpy as np
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
 from gainsay.tables.designs import Design, read_designs
-from gainsay.tables.files import shown
+from gainsay.tables.files import listed, shown
 from gainsay.tables.lint import lint
 from gainsay.tables.models import (
     Claim,
@@ -34,7 +34,7 @@ _NAME = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
 _LONGEST_NAME = 60
 #: names of the workflow's own targets
 _RESERVED = ("all", "check", "report")
-_MATRIX = re.compile(r"(?P<file>printed/[A-Za-z0-9_]+\.csv) (?P<rows>[1-9]\d*)x(?P<columns>[1-9]\d*)")
+_MATRIX = re.compile(r"(?P<file>printed/[A-Za-z0-9_]+\.csv) (?P<rows>[1-9]\d*)x(?P<columns>[1-9]\d*)", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -163,9 +163,10 @@ def paper_names(root: Path) -> list[str]:
     Raises
     ------
     InputError
-        If a folder has a name that no paper may have, or holds tables and no ``paper.toml``.
+        If a folder has a name that no paper may have, holds tables and no ``paper.toml``, or cannot be read.
     """
-    folders = sorted({path.parent for path in (root / "papers").glob("*/*") if path.suffix in (".csv", ".toml")})
+    inside = {folder: listed(folder, root) for folder in listed(root / "papers", root)}
+    folders = [folder for folder, paths in inside.items() if any(path.suffix in (".csv", ".toml") for path in paths)]
     for folder in folders:
         checked_name(folder.name)
         if not (folder / "paper.toml").is_file():

@@ -4,7 +4,6 @@ A run finds no design. `gainsay search` does, and writes ``papers/<paper>/design
 certifies it and audits it, so that what a search depends on (a processor, a thread, a library) is no part of a result.
 """
 
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -17,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
-from gainsay.tables.files import read_text, shown, write_json
+from gainsay.tables.files import is_there, listed, read_json, shown, write_json
 from gainsay.tables.models import Decimal, Filled, Name
 from gainsay.tables.reading import PrintedMatrix, expectation
 
@@ -164,15 +163,6 @@ def write_design(folder: Path, name: str, found: FoundDesign) -> Path:
     return path
 
 
-def _single(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    content: dict[str, object] = {}
-    for key, value in pairs:
-        if key in content:
-            raise ValueError(f"the key {key!r} twice")
-        content[key] = value
-    return content
-
-
 def read_design(path: Path, root: Path | None = None) -> Design:
     """Read a design.
 
@@ -183,14 +173,10 @@ def read_design(path: Path, root: Path | None = None) -> Design:
     """
     file = shown(path, root)
     try:
-        content = DesignFile.model_validate(json.loads(read_text(path, root), object_pairs_hook=_single))
+        content = DesignFile.model_validate(read_json(path, root))
     except ValidationError as error:
         field_, value, expected = expectation(DesignFile, error.errors()[0])
         raise InputError(file=file, field=field_, value=value, expected=expected) from None
-    except (ValueError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(str(error), file=file, expected="well-formed JSON") from None
     matrices = {}
     for name, rows in content.matrices.items():
         widths = {len(row) for row in rows}
@@ -208,8 +194,8 @@ def read_designs(folder: Path, declared: Mapping[str, str], root: Path | None = 
     InputError
         If a file is malformed, or there is one that ``paper.toml`` does not name.
     """
-    for path in sorted((folder / "designs").glob("*.json")):
-        if path.stem not in declared:
+    for path in listed(folder / "designs", root):
+        if path.suffix == ".json" and path.stem not in declared:
             raise InputError("design", file=shown(path, root), expected="a design that paper.toml names")
     paths = {name: design_path(folder, name) for name in declared}
-    return {name: read_design(path, root) for name, path in paths.items() if path.exists()}
+    return {name: read_design(path, root) for name, path in paths.items() if is_there(path, root)}

@@ -23,6 +23,20 @@ A paper is a folder `papers/<paper>/` with these files. Every cell is text: numb
 """
 
 
+_PLAIN = str.maketrans({c: f"\\{c}" for c in "\\|`*"} | {"&": "&amp;", "<": "&lt;"})
+
+
+def escaped(text: str) -> str:
+    """Return a text as it must stand in a cell of a Markdown table: no new column, no emphasis, no HTML.
+
+    Examples
+    --------
+    >>> print(escaped("||w|| < 1"))
+    \\|\\|w\\|\\| &lt; 1
+    """
+    return text.translate(_PLAIN)
+
+
 def _type(field: FieldInfo) -> str:
     annotation = field.annotation
     if get_origin(annotation) is Literal:
@@ -30,7 +44,7 @@ def _type(field: FieldInfo) -> str:
     for metadata in field.metadata:
         pattern = getattr(metadata, "pattern", None)
         if pattern:
-            return f"text matching `{pattern}`"
+            return "text matching `{}`".format(pattern.replace("|", "\\|"))
     named = {str: "text", int: "integer"}
     return named.get(annotation, "table of names and sentences" if "dict" in str(annotation) else "list of text")
 
@@ -39,7 +53,9 @@ def _table(model: type[BaseModel]) -> str:
     lines = ["| column | holds | meaning |", "| --- | --- | --- |"]
     fields = {field.alias or name: field for name, field in model.model_fields.items()}
     names = columns(model) if issubclass(model, Row) else tuple(fields)
-    lines += [f"| `{name}` | {_type(fields[name])} | {fields[name].description} |" for name in names]
+    for name in names:
+        meaning = fields[name].description.replace("|", "\\|")  # Markdown of ours, but for its bars
+        lines.append(f"| `{name}` | {_type(fields[name])} | {meaning} |")
     return "\n".join(lines)
 
 
@@ -57,7 +73,7 @@ def _readme(root: Path) -> str:
         title = f"[{paper}](https://doi.org/{case.paper.doi})" if case.paper.doi else paper
         counts.append(f"| {title} | {len(case.claims)} | {' | '.join(str(verdicts[v]) for v in shown)} |")
         against += [
-            f"| {paper} | {claim.where} | {claim.statement} | {claim.expected} |"
+            f"| {paper} | {escaped(claim.where)} | {escaped(claim.statement)} | {claim.expected} |"
             for claim in case.claims.values()
             if claim.expected in ("contradicted", "undetermined")
         ]

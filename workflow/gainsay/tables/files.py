@@ -5,13 +5,16 @@ import io
 import json
 import math
 import os
+import stat
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from gainsay.errors import InputError
+from gainsay.errors import InputError, one_line
 
+#: bytes of a table at most: what is larger is not one
+LARGEST = 1 << 26
 _PART = ".part"
 _UMASK = os.umask(0o022)  # it can only be read by setting it
 os.umask(_UMASK)
@@ -81,20 +84,107 @@ def shown(path: Path, root: Path | None) -> str:
     return str(path.relative_to(root)) if root is not None and path.is_relative_to(root) else str(path)
 
 
-def read_text(path: Path, root: Path | None = None) -> str:
-    """Read a UTF-8 file.
+def is_there(path: Path, root: Path | None = None) -> bool:
+    """Say whether there is anything of this name, be it a link that leads nowhere.
 
     Raises
     ------
     InputError
-        If it is missing or not UTF-8.
+        If that cannot be told: a folder that may not be entered, a name that no file can have.
     """
     try:
-        return path.read_text(encoding="utf-8")
-    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
-        raise InputError("file not found", file=shown(path, root), expected="a readable file") from None
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except (OSError, ValueError) as error:
+        raise InputError(_reason(error), file=shown(path, root), expected="a readable file") from None
+    return True
+
+
+def listed(folder: Path, root: Path | None = None) -> list[Path]:
+    """Return what stands in a folder, in the order of names; nothing where there is no such folder.
+
+    Raises
+    ------
+    InputError
+        If the folder may not be read: passing over it would hide what it holds.
+    """
+    try:
+        return sorted(folder.iterdir())
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+    except OSError as error:
+        raise InputError(_reason(error), file=shown(folder, root), expected="a readable folder") from None
+
+
+def _reason(error: OSError | ValueError) -> str:
+    """Say why a file cannot be read, in the system's own words."""
+    return (getattr(error, "strerror", None) or "no name of a file").lower()
+
+
+def read_bytes(path: Path, root: Path | None = None, *, most: int = LARGEST) -> bytes:
+    """Read a regular file.
+
+    Raises
+    ------
+    InputError
+        If it is missing, unreadable, larger than `most` bytes, or no regular file: a pipe would never end.
+    """
+    file = shown(path, root)
+    try:
+        handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a pipe must not make it wait
+    except (FileNotFoundError, NotADirectoryError):
+        raise InputError("file not found", file=file, expected="a readable file") from None
+    except (OSError, ValueError) as error:
+        raise InputError(_reason(error), file=file, expected="a readable file") from None
+    with os.fdopen(handle, "rb") as stream:
+        about = os.fstat(handle)
+        if not stat.S_ISREG(about.st_mode):
+            raise InputError("not a file", file=file, expected="a regular file")
+        if about.st_size > most:
+            raise InputError(file=file, value=about.st_size, expected=f"a file of at most {most} bytes")
+        try:
+            return stream.read(most + 1)
+        except OSError as error:
+            raise InputError(_reason(error), file=file, expected="a readable file") from None
+
+
+def read_text(path: Path, root: Path | None = None) -> str:
+    """Read a regular UTF-8 file.
+
+    Raises
+    ------
+    InputError
+        As `read_bytes`, or if it is not UTF-8.
+    """
+    try:
+        return read_bytes(path, root).decode()
     except UnicodeDecodeError as error:
         raise InputError(f"byte {error.start}", file=shown(path, root), expected="UTF-8 text") from None
+
+
+def _single(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    content: dict[str, object] = {}
+    for key, value in pairs:
+        if key in content:
+            raise ValueError(f"the key {one_line(key, 60)!r} twice")
+        content[key] = value
+    return content
+
+
+def read_json(path: Path, root: Path | None = None) -> object:
+    """Read a JSON file.
+
+    Raises
+    ------
+    InputError
+        As `read_text`, or if it is no JSON, names a key twice, or is nested without end.
+    """
+    text = read_text(path, root)
+    try:
+        return json.loads(text, object_pairs_hook=_single)
+    except (ValueError, RecursionError) as error:
+        raise InputError(str(error), file=shown(path, root), expected="well-formed JSON") from None
 
 
 def read_csv(path: Path, root: Path | None = None) -> tuple[list[str], list[tuple[int, list[str]]]]:
@@ -109,10 +199,12 @@ def read_csv(path: Path, root: Path | None = None) -> tuple[list[str], list[tupl
     Raises
     ------
     InputError
-        If the file is missing, empty, ragged or malformed; names file and row.
+        If the file is missing, empty, ragged, malformed or cut within its last row; names file and row.
     """
     file = shown(path, root)
     text = read_text(path, root)
+    if text and not text.endswith("\n"):
+        raise InputError("no end of the last line", file=file, row=text.count("\n") + 1, expected="a final newline")
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     lines: list[tuple[int, list[str]]] = []
     start = 1

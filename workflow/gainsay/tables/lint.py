@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from gainsay.errors import InputError
-from gainsay.exact.digits import PrintedNumber
+from gainsay.exact.digits import PrintedNumber, double
 from gainsay.tables.models import Claim, Toleranced
 from gainsay.tables.units import to_si
 
@@ -147,8 +147,8 @@ def _refuse_first(faults: Iterable[tuple[str, str, str]], file: str, row: int) -
 def _recorded_faults(recorded: Toleranced) -> Iterator[tuple[str, str, str]]:
     """Yield field, value and expectation of every fault of a value on record."""
     try:
-        finite = math.isfinite(float(recorded.value))
-    except ValueError:
+        finite = math.isfinite(double(recorded.value))
+    except InputError:
         finite = False
     if not finite:
         yield "value", recorded.value, "a finite number"

@@ -48,9 +48,10 @@ def _plain(value: str) -> str:
 
 Text = Annotated[str, AfterValidator(_plain)]
 Filled = Annotated[str, StringConstraints(min_length=1), AfterValidator(_plain)]
-Slug = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]*$")]
-Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
-QuantityId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+(\.[a-z0-9_]+)*$")]
+# What has a name may become a file of that name, which must not be longer than 255 bytes with its ending.
+Slug = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]*$", max_length=100)]
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=100)]
+QuantityId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+(\.[a-z0-9_]+)*$", max_length=100)]
 Unit = Annotated[str, AfterValidator(_unit)]
 Decimal = Annotated[str, AfterValidator(_decimal)]
 DecimalOrEmpty = Annotated[str, AfterValidator(_decimal_or_empty)]
@@ -163,13 +164,13 @@ class RecordedCertificate(Row):
 class PaperFile(BaseModel):
     """`paper.toml`: citation, designs, runs and figures."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     title: Filled = Field(description="title as published")
     authors: list[Filled] = Field(min_length=1, description="authors as published")
     journal: Filled = Field(description="journal")
     year: int = Field(ge=1900, le=2100, description="year of publication")
-    doi: Annotated[str, StringConstraints(pattern=r"^(10\.\d{4,9}/\S+)?$")] = Field(
+    doi: Annotated[str, StringConstraints(pattern=r"^(10\.[0-9]{4,9}/\S+)?$")] = Field(
         default="", description="DOI without resolver; empty where the text at hand gives none"
     )
     designs: dict[Slug, Filled] = Field(default={}, description="designs that synthesis makes: name and what it is")

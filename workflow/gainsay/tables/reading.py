@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
-from gainsay.tables.files import read_csv, read_text, shown
+from gainsay.tables.files import is_there, read_csv, read_text, shown
 from gainsay.tables.models import PaperFile, Row, columns
 
 AnyRow = TypeVar("AnyRow", bound=Row)
@@ -43,7 +43,7 @@ def read_rows(path: Path, model: type[AnyRow], root: Path | None = None, *, need
         At the first fault, naming file, row, field, value and what was expected.
     """
     file = shown(path, root)
-    if not needed and not path.exists():
+    if not needed and not is_there(path, root):
         return {}
     header, rows = read_csv(path, root)
     wanted = list(columns(model))
@@ -70,11 +70,13 @@ def read_paper_file(path: Path, root: Path | None = None) -> PaperFile:
     file = shown(path, root)
     try:
         return PaperFile.model_validate(tomllib.loads(read_text(path, root)))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(str(error), file=file, expected="well-formed TOML") from None
     except ValidationError as error:
         field, value, expected = expectation(PaperFile, error.errors()[0])
         raise InputError(file=file, field=field, value=value, expected=expected) from None
+    except (ValueError, RecursionError) as error:  # also of numbers too long to convert and brackets without end
+        if isinstance(error, InputError):
+            raise
+        raise InputError(str(error), file=file, expected="well-formed TOML") from None
 
 
 @dataclass(frozen=True)
