@@ -177,7 +177,7 @@ def cells(line):
 
 
 def test_what_a_paper_says_stays_in_its_cell_of_the_readme(project):
-    """Bars, HTML and emphasis of a statement are text: the verdict stays in the fourth column, and nothing is markup."""
+    """Bars, HTML and emphasis of a statement are text: the verdict stays in its column, and nothing is markup."""
     said = "||w|| <= 1 & <script>alert(1)</script> | a \\ b*c*d `e`"
     project.edit("claims.csv", "it is at most 2 m", said)
     project.edit("claims.csv", "2,m,,reproduced", "2,m,,contradicted")
