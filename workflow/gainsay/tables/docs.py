@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from gainsay.tables.case import paper_names, read_case
 from gainsay.tables.contract import README
 from gainsay.tables.files import read_text
+from gainsay.tables.mathematics import parts
 from gainsay.tables.models import TABLES, VERDICTS, PaperFile, Row, columns
 from gainsay.tables.units import UNITS
 
@@ -23,18 +24,21 @@ A paper is a folder `papers/<paper>/` with these files. Every cell is text: numb
 """
 
 
-_PLAIN = str.maketrans({c: f"\\{c}" for c in "\\|`*"} | {"&": "&amp;", "<": "&lt;"})
+_PLAIN = str.maketrans({c: f"\\{c}" for c in "\\|`*$"} | {"&": "&amp;", "<": "&lt;"})
 
 
 def escaped(text: str) -> str:
-    """Return a text as it must stand in a cell of a Markdown table: no new column, no emphasis, no HTML.
+    """Return a sentence as it must stand in a cell of a Markdown table: no new column, no emphasis, no HTML.
+
+    Its mathematics stays mathematics.
 
     Examples
     --------
     >>> print(escaped("||w|| < 1"))
     \\|\\|w\\|\\| &lt; 1
     """
-    return text.translate(_PLAIN)
+    pieces = parts(text)
+    return "".join("$`{}`$".format(t.replace("|", "\\|")) if is_tex else t.translate(_PLAIN) for t, is_tex in pieces)
 
 
 def _type(field: FieldInfo) -> str:
