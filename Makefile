@@ -71,6 +71,7 @@ versions: environment
 
 nightly: environment kernels versions
 	@GAINSAY_CHANGES=5000 $(RUN) pytest -n 2 -m slow tests/known/test_proof_changes.py
+	@GAINSAY_TABLES=3000 $(RUN) pytest -n 2 -m slow tests/gainsay/test_tables_damage.py
 
 clean:
 	@rm -rf results/*/ results/.checked results/index.html results/*.csv

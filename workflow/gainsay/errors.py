@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-#: characters of a message at most, and of a part of it that repeats what was found
-LONGEST, LONGEST_PART = 300, 100
+#: characters of a message at most, of the file in it, and of a part that repeats what was found
+LONGEST, LONGEST_FILE, LONGEST_PART = 300, 200, 100
 
 
 def one_line(text: str, longest: int = LONGEST) -> str:
@@ -60,7 +60,7 @@ class InputError(GainsayError, ValueError):
         super().__init__(self._line())
 
     def _line(self) -> str:
-        place = "" if self.file is None else one_line(str(self.file), LONGEST_PART)
+        place = "" if self.file is None else one_line(str(self.file), LONGEST_FILE)
         if self.row is not None:
             place += f":{self.row}"
         parts = [place] if place else []

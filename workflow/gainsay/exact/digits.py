@@ -9,7 +9,7 @@ from gainsay.errors import InputError
 
 # ASCII digits only (\d alone takes those of other scripts); the exponent stays within what a double can hold
 _DECIMAL = re.compile(r"[+-]?(?P<whole>\d+)(?:\.(?P<decimals>\d+))?(?:[eE](?P<exponent>[+-]?\d{1,2}))?", re.ASCII)
-_LONGEST = 100  # no paper prints more; thousands of digits are no number but an attack on whoever converts them
+_LONGEST = 250  # a hundred digits and zeros of an exponent; thousands are an attack on whoever converts them
 EXPECTED = "a decimal number such as -8.8129e-4"
 
 
@@ -25,7 +25,7 @@ class PrintedNumber:
     Raises
     ------
     InputError
-        If the text is anything but such a number, or longer than 100 characters.
+        If the text is anything but such a number, or longer than 250 characters.
     """
 
     text: str

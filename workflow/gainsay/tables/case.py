@@ -34,7 +34,7 @@ _NAME = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
 _LONGEST_NAME = 60
 #: names of the workflow's own targets
 _RESERVED = ("all", "check", "report")
-_MATRIX = re.compile(r"(?P<file>printed/[A-Za-z0-9_]+\.csv) (?P<rows>[1-9]\d*)x(?P<columns>[1-9]\d*)", re.ASCII)
+_MATRIX = re.compile(r"(?P<file>printed/[A-Za-z0-9_]+\.csv) (?P<rows>[1-9]\d{0,3})x(?P<columns>[1-9]\d{0,3})", re.ASCII)
 
 
 @dataclass(frozen=True)

@@ -137,16 +137,18 @@ def read_bytes(path: Path, root: Path | None = None, *, most: int = LARGEST) -> 
         raise InputError("file not found", file=file, expected="a readable file") from None
     except (OSError, ValueError) as error:
         raise InputError(_reason(error), file=file, expected="a readable file") from None
-    with os.fdopen(handle, "rb") as stream:
+    try:
         about = os.fstat(handle)
         if not stat.S_ISREG(about.st_mode):
             raise InputError("not a file", file=file, expected="a regular file")
         if about.st_size > most:
             raise InputError(file=file, value=about.st_size, expected=f"a file of at most {most} bytes")
-        try:
+        with open(handle, "rb", closefd=False) as stream:
             return stream.read(most + 1)
-        except OSError as error:
-            raise InputError(_reason(error), file=file, expected="a readable file") from None
+    except OSError as error:
+        raise InputError(_reason(error), file=file, expected="a readable file") from None
+    finally:
+        os.close(handle)
 
 
 def read_text(path: Path, root: Path | None = None) -> str:
