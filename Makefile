@@ -30,7 +30,7 @@ test-slow: environment
 lint: environment
 	@$(RUN) ruff check .
 	@$(RUN) ruff format --check .
-	@$(RUN) snakefmt --check Snakefile workflow/rules
+	@$(RUN) snakefmt --check Snakefile workflow/gainsay/rules
 	@$(RUN) gainsay lint
 	@$(RUN) gainsay docs --check
 
@@ -39,7 +39,7 @@ docs: environment
 
 lock: environment
 	@$(RUN) uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-	  --group dev pyproject.toml --output-file requirements.lock
+	  --all-extras --group dev pyproject.toml --output-file requirements.lock
 
 record: environment
 	@$(RUN) gainsay record

@@ -1,3 +1,4 @@
+import shutil
 import subprocess
 import sys
 
@@ -5,6 +6,8 @@ import pytest
 
 from gainsay import cli
 from gainsay.steps.command import step_command
+from gainsay.steps.modules import paper_module
+from gainsay.tables import read_case
 from gainsay.tables.results import Results
 
 COMMANDS = ["lint", "check", "record", "docs", "prove", "logs", "view", "gallery", "replay"]
@@ -112,3 +115,18 @@ def test_modules_of_a_paper_come_from_the_project_of_its_tables(project):
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, "")
     assert "audit.length,1.5,m" in (project.root / "results/toy/parts/audit.quantities.csv").read_text()
+
+
+def test_two_projects_in_one_process_keep_their_own_papers(project, tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    for name in [name for name in sys.modules if name.partition(".")[0] == "papers"]:
+        monkeypatch.delitem(sys.modules, name)
+    cases = []
+    for name in ("one", "two"):
+        root = tmp_path / name
+        shutil.copytree(project.root, root)
+        (root / "papers" / "__init__.py").write_text("")
+        (root / "papers/toy/__init__.py").write_text("")
+        (root / "papers/toy/audit.py").write_text(f"TASKS = ('{name}',)\n")
+        cases.append(read_case(root, "toy"))
+    assert [paper_module(case, "audit").TASKS for case in (*cases, cases[0])] == [("one",), ("two",), ("one",)]

@@ -10,7 +10,8 @@ LIBRARY = ROOT / "workflow" / "gainsay"
 #: from the ground up; what stands together may import each other
 FLOORS = (
     ("errors",), ("exact",), ("tables",), ("proof",), ("lmi",), ("statements",), ("systems",), ("dynamics",),
-    ("simulation",), ("logs",), ("figures",), ("verdicts",), ("report",), ("steps", "cli", "bench", "__main__"),
+    ("simulation",), ("logs",), ("figures",), ("verdicts",), ("report",),
+    ("steps", "cli", "bench", "rules", "__main__"),
 )  # fmt: skip
 LEVEL = {name: level for level, floor in enumerate(FLOORS) for name in floor}
 MODULES = sorted(LIBRARY.rglob("*.py"))

@@ -80,7 +80,6 @@ def search(options: argparse.Namespace) -> int:
     """Find designs of a paper and write them into its folder; a run only reads them."""
     from gainsay.steps.search import search as find
 
-    sys.path.insert(0, str(options.root))
     find(read_case(options.root, options.paper), options.design)
     return CLEAN
 
@@ -182,7 +181,6 @@ def gallery(options: argparse.Namespace) -> int:
     from gainsay.steps.page import page
 
     code = render_all(options.root, options.papers)
-    sys.path.insert(0, str(options.root))
     for paper in _papers(options.root, options.papers):
         page(read_case(options.root, paper))
     return code

@@ -20,7 +20,7 @@ from gainsay.report.reading import PaperResults
 from gainsay.tables.files import write_atomically
 
 #: templates, style sheet and captions
-FOLDER = Path(__file__).resolve().parents[2] / "report"
+FOLDER = Path(__file__).resolve().parent / "templates"
 _ID = re.compile(r"[^A-Za-z0-9_.-]")
 
 

@@ -14,8 +14,9 @@ from functools import cache
 from pathlib import Path
 
 from gainsay.errors import InputError
-from gainsay.tables.files import read_text
+from gainsay.tables.files import read_text, shown
 
+LIBRARY = Path(__file__).resolve().parents[1]
 #: the modules of a paper that each step runs
 PAPER_MODULES = {
     "synthesis": ("synthesis",),
@@ -41,7 +42,7 @@ def _file(root: Path, module: str) -> Path | None:
     """Return the file of a module of the library or of a paper, or None."""
     parts = module.split(".")
     if parts[0] == "gainsay":
-        base = root / "workflow" / "gainsay"
+        base = LIBRARY
     elif parts[0] == "papers":
         base = root / "papers"
     else:
@@ -98,17 +99,17 @@ def closure(root: Path, modules: Iterable[str]) -> list[Path]:
             waiting += _imported(path)
             if package in BY_NAME:
                 inside = (p for p in path.parent.rglob("*.py"))
-                waiting += [_module(root, p) for p in inside]
+                waiting += [_module(p) for p in inside]
     return sorted(found)
 
 
-def _module(root: Path, path: Path) -> str:
-    parts = path.relative_to(root / "workflow").with_suffix("").parts
+def _module(path: Path) -> str:
+    parts = path.relative_to(LIBRARY.parent).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 def sources(root: Path, step: str, paper: str | None = None) -> list[str]:
-    """Return the source files that a step depends on, relative to the root.
+    """Return the source files that a step depends on, relative to the root where they lie below it.
 
     A module of the paper that cannot be parsed stands for itself: the step that runs it says what is wrong.
     """
@@ -119,7 +120,7 @@ def sources(root: Path, step: str, paper: str | None = None) -> list[str]:
             found |= set(closure(root, [name]))
         except SyntaxError:
             found |= set((root / "papers" / paper).glob("*.py"))
-    return sorted(str(path.relative_to(root)) for path in found)
+    return sorted(shown(path, root) for path in found)
 
 
 def table_digest(root: Path, paper: str) -> str:

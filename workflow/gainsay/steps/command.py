@@ -42,7 +42,6 @@ def step_command(work: Callable[[Case], None], about: str, arguments: Sequence[s
     options = parser.parse_args(arguments)
     try:
         root = find_root(options.root)
-        sys.path.insert(0, str(root))  # the modules of a paper come from the same project as its tables
         case = read_case(root, options.paper)
         hold_as_step(root)
         work(case)

@@ -1,12 +1,12 @@
 """Draw the figures of a paper from its logs alone; one that sets designs beside each other, from the quantities."""
 
 import sys
-from importlib import import_module
 
 from gainsay.errors import ComputationError
 from gainsay.figures import FigureSpec, save
 from gainsay.logs import read_log
 from gainsay.steps.command import step_command
+from gainsay.steps.modules import paper_module
 from gainsay.tables import Case
 from gainsay.tables.results import Results
 
@@ -26,7 +26,7 @@ def figures(case: Case) -> None:
     results = Results(case, "figures")
     specs = ()
     with results.task("figures", "import", quiet=True):
-        specs = import_module(f"papers.{case.name}.figures").FIGURES
+        specs = paper_module(case, "figures").FIGURES
     for figure in specs:
         with results.task(figure.name, "draw"):
             for ending in ("svg", "png"):

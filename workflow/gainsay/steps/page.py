@@ -2,25 +2,25 @@
 
 import sys
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 
 from gainsay.report import PaperResults, read_results, write_paper
 from gainsay.steps.command import step_command
+from gainsay.steps.modules import paper_module
 from gainsay.tables import Case
 from gainsay.tables.listing import write_listing
 
 
-def figure_runs(paper: str) -> Mapping[str, Sequence[str]] | None:
+def figure_runs(case: Case) -> Mapping[str, Sequence[str]] | None:
     """Return the runs that each figure of a paper is drawn from, or None where its module cannot say."""
     try:
-        return {figure.name: figure.runs for figure in import_module(f"papers.{paper}.figures").FIGURES}
+        return {figure.name: figure.runs for figure in paper_module(case, "figures").FIGURES}
     except Exception:  # a paper's broken module must not cost the page; its step has said what broke
         return None
 
 
 def results_of(case: Case) -> PaperResults:
     """Return all that pages say of a paper."""
-    return read_results(case, figure_runs(case.name))
+    return read_results(case, figure_runs(case))
 
 
 def page(case: Case) -> None:

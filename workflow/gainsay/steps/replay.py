@@ -2,11 +2,11 @@
 
 import tempfile
 from collections.abc import Iterator
-from importlib import import_module
 from pathlib import Path
 
 from gainsay.errors import LogError
 from gainsay.logs import Log, RunSpec, read_log
+from gainsay.steps.modules import paper_module
 from gainsay.tables import Case, paper_names, read_case
 from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import cell, read_records
@@ -23,7 +23,7 @@ def spec_of(case: Case, log: Log, path: Path) -> RunSpec:
     contract = log.metadata.get("contract", "")
     if contract != CONTRACT:
         raise LogError(file=str(path), field="contract", value=contract, expected=f"version {CONTRACT}")
-    runs = {run.name: run for run in import_module(f"papers.{case.name}.runs").RUNS}
+    runs = {run.name: run for run in paper_module(case, "runs").RUNS}
     name = log.metadata.get("run", "")
     if name not in runs:
         raise LogError(file=str(path), field="run", value=name, expected=f"one of {', '.join(runs)}")
@@ -45,7 +45,7 @@ def figure_differences(case: Case, run: RunSpec, log: Log) -> Iterator[str]:
     """Draw the figures that show a run again and yield a line for every file that differs."""
     from gainsay.figures import save  # drawing costs a second to import: not where only numbers are asked for
 
-    for figure in import_module(f"papers.{case.name}.figures").FIGURES:
+    for figure in paper_module(case, "figures").FIGURES:
         if run.name not in figure.runs:
             continue
         others = [case.results / "logs" / f"{name}.mcap" for name in figure.runs if name != run.name]

@@ -54,7 +54,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         root = find_root(options.root)
-        sys.path.insert(0, str(root))  # the modules of a paper come from the same project as its tables
         cases = [read_case(root, paper) for paper in dict.fromkeys(options.papers)]
         hold_as_step(root)
         papers = [results_of(case) for case in cases]

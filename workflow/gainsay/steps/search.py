@@ -1,9 +1,9 @@
 """Find designs of a paper and write them into its folder; no step of a run does this."""
 
 import time
-from importlib import import_module
 
 from gainsay.errors import InputError
+from gainsay.steps.modules import paper_module
 from gainsay.tables import Case, read_case
 from gainsay.tables.designs import FoundDesign, Search, write_design
 
@@ -18,7 +18,7 @@ def searches_of(case: Case) -> dict[str, Search]:
     """
     if not (case.folder / "searches.py").is_file():
         raise InputError("file not found", file=f"papers/{case.name}/searches.py", expected="the searches of the paper")
-    return dict(import_module(f"papers.{case.name}.searches").SEARCHES)
+    return dict(paper_module(case, "searches").SEARCHES)
 
 
 def _line(case: Case, name: str, found: FoundDesign, seconds: float) -> str:

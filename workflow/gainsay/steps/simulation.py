@@ -1,11 +1,11 @@
 """Simulate the runs of a paper, log each in full, and measure its quantities from its log."""
 
 import sys
-from importlib import import_module
 
 from gainsay.errors import InputError
 from gainsay.logs import LogWriter, RunSpec, read_log
 from gainsay.steps.command import step_command
+from gainsay.steps.modules import paper_module
 from gainsay.tables import Case
 from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import read_text
@@ -52,7 +52,7 @@ def simulation(case: Case) -> None:
     results = Results(case, "simulation")
     runs: dict[str, RunSpec] = {}
     with results.task("runs", "import", quiet=True):
-        runs = {run.name: run for run in import_module(f"papers.{case.name}.runs").RUNS}
+        runs = {run.name: run for run in paper_module(case, "runs").RUNS}
     if runs and set(runs) != set(case.paper.runs):
         raise InputError(
             "runs", file=f"papers/{case.name}/paper.toml", value=sorted(case.paper.runs), expected=f"{sorted(runs)}"

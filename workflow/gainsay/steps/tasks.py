@@ -1,9 +1,8 @@
 """What the steps made of tasks share: synthesis and audit."""
 
-from importlib import import_module
-
 from gainsay.proof import check
 from gainsay.proof.build import accepted
+from gainsay.steps.modules import paper_module
 from gainsay.tables import Case
 from gainsay.tables.results import Results, run_tasks
 
@@ -13,5 +12,5 @@ def run_step(case: Case, step: str) -> None:
     results = Results(case, step, verify=lambda certificate: accepted(certificate) or check(certificate, case))
     tasks = ()
     with results.task(step, "import", quiet=True):
-        tasks = import_module(f"papers.{case.name}.{step}").TASKS
+        tasks = paper_module(case, step).TASKS
     run_tasks(results, tasks)

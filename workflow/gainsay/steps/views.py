@@ -1,12 +1,12 @@
 """Make every log of a paper open well: an .rrd with its blueprint and a Foxglove layout beside each .mcap."""
 
 import sys
-from importlib import import_module
 
 from gainsay.errors import ComputationError
 from gainsay.logs import Layout
 from gainsay.logs.views import write_views
 from gainsay.steps.command import step_command
+from gainsay.steps.modules import paper_module
 from gainsay.tables import Case
 from gainsay.tables.results import Results
 
@@ -16,7 +16,7 @@ def views(case: Case) -> None:
     results = Results(case, "views")
     layout: Layout | None = None
     with results.task("views", "import", quiet=True):
-        layout = import_module(f"papers.{case.name}.runs").LAYOUT
+        layout = paper_module(case, "runs").LAYOUT
     for run in case.paper.runs if layout is not None else ():
         path = case.results / "logs" / f"{run}.mcap"
         with results.task(run, "views"):

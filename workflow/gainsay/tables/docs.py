@@ -97,5 +97,5 @@ def documents(root: Path) -> dict[str, str]:
         "README.md": _readme(root),
         "results/README.md": README,
         "docs/tables.md": "\n".join(sections),
-        "docs/tables.schema.json": json.dumps(schemas, indent=1, sort_keys=True) + "\n",
+        "workflow/gainsay/tables/tables.schema.json": json.dumps(schemas, indent=1, sort_keys=True) + "\n",
     }

@@ -3,9 +3,10 @@
 import shlex
 
 ROOT = Path(workflow.basedir).resolve()
-LIBRARY = str(ROOT / "workflow")
-# This folder's code, whatever folder the active environment was made for.
-sys.path.insert(0, LIBRARY)
+LIBRARY = Path(workflow.current_basedir).resolve().parents[1]
+# The code that these rules belong to, whatever project the active environment was made for.
+if str(LIBRARY) not in sys.path:
+    sys.path.insert(0, str(LIBRARY))
 
 from gainsay.errors import InputError
 from gainsay.steps.closure import sources, table_digest
@@ -60,12 +61,18 @@ try:
 except InputError as error:
     refuse(error)
 
+# The interpreter that runs Snakemake is the one of the steps, also where its environment is not activated.
 ENVIRONMENT = " ".join(
-    [f"PYTHONPATH={shlex.quote(LIBRARY)}"]
+    [f"PATH={shlex.quote(str(Path(sys.executable).parent))}:$PATH"]
+    + [f"PYTHONPATH={shlex.quote(str(LIBRARY))}"] * LIBRARY.is_relative_to(ROOT)
     + [
         f"{library}_NUM_THREADS={THREADS}"
         for library in ("OMP", "OPENBLAS", "MKL", "RAYON")
     ]
+)
+
+TEMPLATES = sorted(
+    str(path) for path in LIBRARY.glob("gainsay/report/templates/*")
 )
 
 shell.prefix(f"export {ENVIRONMENT}; ")

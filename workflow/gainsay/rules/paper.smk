@@ -110,7 +110,7 @@ for paper in ALL:
                 )
             ],
             code=sources(ROOT, "page", paper),
-            templates=sorted(str(path) for path in Path("workflow/report").glob("*")),
+            templates=TEMPLATES,
         output:
             f"results/{paper}/index.html",
             listing(paper, "page"),

@@ -5,7 +5,7 @@ rule report:
     input:
         [listing(paper, "page") for paper in ALL],
         sources(ROOT, "report"),
-        sorted(str(path) for path in Path("workflow/report").glob("*")),
+        TEMPLATES,
     output:
         "results/index.html",
         "results/verdicts.csv",
