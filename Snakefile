@@ -2,3 +2,8 @@ configfile: "workflow/config.yaml"
 
 
 include: "workflow/gainsay/rules/gainsay.smk"
+
+
+rule all:
+    input:
+        WANTED,

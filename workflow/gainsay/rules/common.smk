@@ -71,9 +71,7 @@ ENVIRONMENT = " ".join(
     ]
 )
 
-TEMPLATES = sorted(
-    str(path) for path in LIBRARY.glob("gainsay/report/templates/*")
-)
+TEMPLATES = sorted(str(path) for path in LIBRARY.glob("gainsay/report/templates/*"))
 
 shell.prefix(f"export {ENVIRONMENT}; ")
 

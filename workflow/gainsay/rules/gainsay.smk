@@ -1,19 +1,14 @@
-# The whole workflow of a project; its Snakefile names the configuration and includes this file.
+# The whole workflow of a project. Its Snakefile names the configuration, includes this file and asks for WANTED.
 
 
 include: "common.smk"
-
-
-rule all:
-    default_target: True
-    input:
-        (
-            "results/.checked"
-            if PAPERS == ALL
-            else [f"results/{paper}/.checked" for paper in PAPERS]
-        ),
-
-
 include: "paper.smk"
 include: "report.smk"
 include: "check.smk"
+
+
+WANTED = (
+    ["results/.checked"]
+    if PAPERS == ALL
+    else [f"results/{paper}/.checked" for paper in PAPERS]
+)
