@@ -19,9 +19,9 @@ _GREEK = {
     "Sigma", "Phi", "Psi", "Omega",
 }  # fmt: skip
 _ALIASES = {"eps": r"\varepsilon", "lam": r"\lambda", "epsilon": r"\varepsilon", "phi": r"\varphi"}
-_ACCENTS = {"bar": "bar", "hat": "hat", "tilde": "tilde", "dot": "dot"}
-_WORD = re.compile(r"([A-Za-z]+)(\d*)")
-_ACCENTED = re.compile(r"([A-Za-z]|[a-zA-Z]{2,7}?)(bar|hat|tilde)")
+_SUFFIXES = {"bar": r"\bar{{{}}}", "hat": r"\hat{{{}}}", "tilde": r"\tilde{{{}}}", "dot": r"\dot{{{}}}",
+             "inverse": "{}^{{-1}}"}  # fmt: skip
+_WORD = re.compile(r"([A-Za-z]+?)(\d*)(bar|hat|tilde|inverse)?")
 _RELATIONS = {ast.Lt: "<", ast.LtE: r"\le", ast.Eq: "=", ast.GtE: r"\ge", ast.Gt: ">"}
 #: how tightly a piece holds together
 _SUM, _PRODUCT, _SIGNED, _POWER, _ATOM = range(5)
@@ -41,42 +41,36 @@ def _letter(word: str) -> str:
     return rf"\mathrm{{{word}}}"
 
 
-def _base(word: str) -> str:
-    accented = _ACCENTED.fullmatch(word)
-    if accented and (len(accented[1]) == 1 or accented[1] in _GREEK):
-        return rf"\{_ACCENTS[accented[2]]}{{{_letter(accented[1])}}}"
-    return _letter(word)
-
-
 def name_tex(name: str) -> str:
     r"""Return a name as TeX: digits and what follows an underscore stand below the line, Greek names are letters.
 
     Examples
     --------
-    >>> name_tex("J20"), name_tex("eps"), name_tex("Pbar"), name_tex("thrust_x")
-    ('J_{20}', '\\varepsilon', '\\bar{P}', '\\mathrm{thrust}_{x}')
+    >>> name_tex("J20"), name_tex("eps"), name_tex("P21bar"), name_tex("Rinverse"), name_tex("thrust_x")
+    ('J_{20}', '\\varepsilon', '\\bar{P}_{21}', 'R^{-1}', '\\mathrm{thrust}_{x}')
     """
-    parts, below = [part for part in name.split("_") if part], []
-    first, accents = parts[0] if parts else name, []
+    parts, below = [part for part in name.split("_") if part] or [name], []
+    first, suffixes = parts[0], []
     for part in parts[1:]:
-        if part in _ACCENTS:
-            accents.append(_ACCENTS[part])
-        else:
-            below.append(part)
+        (suffixes if part in _SUFFIXES else below).append(part)
     found = _WORD.fullmatch(first)
-    if found and found[2]:
+    if found and found[3] and (len(found[1]) == 1 or found[1] in _GREEK):
+        first, below, suffixes = found[1], [found[2], *below], [found[3], *suffixes]
+    elif found and found[2] and not found[3]:
         first, below = found[1], [found[2], *below]
-    shown = _base(first) if first.isalpha() else rf"\mathrm{{{first}}}"
-    for accent in accents:
-        shown = rf"\{accent}{{{shown}}}"
-    if not below:
-        return shown
-    return f"{shown}_{{{','.join(part if part.isdigit() else _base_below(part) for part in below)}}}"
+    shown = _letter(first) if first.isalpha() else rf"\mathrm{{{first}}}"
+    for suffix in suffixes:
+        shown = _SUFFIXES[suffix].format(shown)
+    below = [part for part in below if part]
+    if below:
+        power = "^{-1}" if shown.endswith("^{-1}") else ""
+        shown = f"{shown.removesuffix(power)}_{{{','.join(map(_below, below))}}}{power}"
+    return shown
 
 
-def _base_below(part: str) -> str:
-    found = _WORD.fullmatch(part)
-    return f"{_base(found[1])}{found[2]}" if found else rf"\mathrm{{{part}}}"
+def _below(part: str) -> str:
+    found = re.fullmatch(r"([A-Za-z]*)(\d*)", part)
+    return (_letter(found[1]) if found[1] else "") + found[2] if found else rf"\mathrm{{{part}}}"
 
 
 def _literal(text: str) -> str:
@@ -112,7 +106,8 @@ class _Typesetter:
             case ast.Constant(value=value):
                 return self.constant(node, value)
             case ast.Name(id=name):
-                return name_tex(name), _ATOM
+                shown = name_tex(name)
+                return shown, _POWER if "^" in shown else _ATOM
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 return f"-{self.at_least(operand, _PRODUCT)}", _SIGNED if self.is_number(operand) else _SUM
             case ast.UnaryOp(op=ast.UAdd(), operand=operand):
@@ -141,9 +136,13 @@ class _Typesetter:
     def is_number(node: ast.AST) -> bool:
         return isinstance(node, ast.Constant) and type(node.value) in (int, float)
 
+    @staticmethod
+    def is_negative(node: ast.AST) -> bool:
+        return isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
+
     def raised(self, node: ast.AST, power: str) -> Piece:
         shown, own = self.visit(node)
-        if own < _ATOM or "^" in shown.rsplit("}", 1)[-1]:
+        if own < _ATOM:
             shown = rf"\left({shown}\right)"
         return f"{shown}^{{{power}}}", _POWER
 
@@ -153,6 +152,8 @@ class _Typesetter:
                 return f"{self.plain(node.left)} + {self.right_of_sum(node.right)}", _SUM
             case ast.Sub():
                 return f"{self.plain(node.left)} - {self.right_of_sum(node.right, minus=True)}", _SUM
+            case ast.Mult() | ast.MatMult() if self.is_negative(node.left):
+                return f"-{self.plain(ast.BinOp(node.left.operand, node.op, node.right))}", _SUM
             case ast.Mult() | ast.MatMult():
                 left, right = self.at_least(node.left, _PRODUCT), self.factor(node.right)
                 return f"{left} {right}" if not right[0].isdigit() else rf"{left} \cdot {right}", _PRODUCT
@@ -232,10 +233,10 @@ class _Typesetter:
         return rf"\left[{self.plain(nodes[0])},\, {self.plain(nodes[1])}\right]", _ATOM
 
     def call_eye(self, nodes: Sequence[ast.expr]) -> Piece:
-        return f"I_{{{self.plain(nodes[0])}}}", _ATOM
+        return "I", _ATOM  # the papers print no sizes
 
     def call_zeros(self, nodes: Sequence[ast.expr]) -> Piece:
-        return rf"0_{{{self.plain(nodes[0])} \times {self.plain(nodes[1])}}}", _ATOM
+        return "0", _ATOM
 
     def call_unit(self, nodes: Sequence[ast.expr]) -> Piece:
         return f"e_{{{self.integer(nodes[1]) + 1}}}", _ATOM

@@ -1,13 +1,16 @@
 """A claim as the page shows it: the way from the text to the number to the proof."""
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
-from gainsay.report.numbers import digits_apart, enclosure, number, span, typeset, with_unit
-from gainsay.report.reading import CertificateFile, PaperResults, Row
+from gainsay.report.certificates import CertificateFile
+from gainsay.report.numbers import enclosure, number, span
+from gainsay.report.reading import PaperResults, Row
+from gainsay.report.wording import found_value, input_value, is_truth, published_value, reason, turning_point
 from gainsay.tables.models import VERDICTS, Claim
 from gainsay.tables.units import to_si
 from gainsay.verdicts.outcome import Outcome
@@ -16,9 +19,9 @@ from gainsay.verdicts.outcome import Outcome
 ORDER = ("failed", "contradicted", "undetermined", "reproduced", "uncheckable")
 #: a claim without a verdict yet
 NONE_YET = "none yet"
-_TRUTH = {"1.0": "holds", "1": "holds", "0.0": "fails", "0": "fails"}
-_NUMERIC = ("equal", "at_most", "at_least")
-_FEASIBLE = {"1.0": "feasible", "0.0": "infeasible"}
+#: weights of a contradiction, the weightiest first; a claim without one stands last
+WEIGHTS = ("result", "gap", "misprint", "")
+_ANCHOR = re.compile(r"[^A-Za-z0-9_.-]")
 
 
 @dataclass(frozen=True)
@@ -31,11 +34,16 @@ class QuantityView:
     step: str
     row: Row | None
     file: str = ""
+    recorded: str | None = None
 
     @property
     def value(self) -> Markup:
-        """Value in short, with its unit."""
-        return Markup("") if self.row is None else number(self.row["value"], self.unit)
+        """Value in short, with its unit; a truth in a word."""
+        if self.row is None:
+            return Markup("")
+        if self.meaning.startswith("whether") and self.row["value"] in ("0.0", "1.0"):
+            return Markup("yes" if self.row["value"] == "1.0" else "no")
+        return number(self.row["value"], self.unit)
 
     @property
     def enclosure(self) -> Markup:
@@ -56,7 +64,7 @@ class ScanView:
     criterion: str
     inputs: tuple[Markup, ...]
     values: Markup
-    boundary: Markup
+    turns: Markup
     holds_at: Markup
     fails_at: Markup
 
@@ -74,14 +82,18 @@ class ClaimView:
         Its row of verdicts.csv; empty texts where there is none.
     published, recomputed, tolerance : Markup
         As shown.
-    range : str
-        Range of the recomputed value in the claim's unit, all digits; empty where it is the quantity's own.
+    reason : Markup
+        A sentence on what is not simply reproduced.
+    range : Markup
+        Range of the recomputed value in the claim's unit; empty where it is the quantity's own.
     quantities : tuple of QuantityView
         Those it compares.
     joins : tuple of str
         Claims that it joins.
     certificates : tuple of CertificateFile
     scan : ScanView or None
+    truth : bool
+        Whether what is computed is a truth, not a number.
     """
 
     claim: Claim
@@ -89,22 +101,29 @@ class ClaimView:
     row: Row
     published: Markup
     recomputed: Markup
-    range: str
+    reason: Markup
+    range: Markup
     tolerance: Markup
     quantities: tuple[QuantityView, ...] = ()
     joins: tuple[str, ...] = ()
     certificates: tuple[CertificateFile, ...] = ()
     scan: ScanView | None = None
-
-    @property
-    def truth(self) -> bool:
-        """Whether what is computed is a truth, 1 or 0."""
-        return _truth(self.claim) is not None
+    truth: bool = False
 
     @property
     def surprising(self) -> bool:
         """Whether the verdict is not the one on record."""
         return self.verdict != self.claim.expected
+
+    @property
+    def weight(self) -> str:
+        """How much a contradiction weighs: ``result``, ``gap``, ``misprint``; empty where that is not said."""
+        return getattr(self.claim, "weight", "")
+
+    @property
+    def given(self) -> str:
+        """Condition under which the verdict stands."""
+        return getattr(self.claim, "given", "")
 
     @property
     def evidence(self) -> str:
@@ -120,9 +139,18 @@ class Verdicts:
     counts: Mapping[str, int] = field(default_factory=dict)
 
     def grouped(self) -> list[tuple[str, list[ClaimView]]]:
-        """Claims by verdict, those that do not hold first, each group in the order of the paper."""
-        groups = [(v, [c for c in self.claims if c.verdict == v]) for v in (*ORDER, NONE_YET)]
+        """Claims by verdict, those that do not hold first, the weightiest first, else in the order of the paper."""
+        groups = []
+        for verdict in (*ORDER, NONE_YET):
+            claims = [claim for claim in self.claims if claim.verdict == verdict]
+            claims.sort(key=lambda claim: WEIGHTS.index(claim.weight) if claim.weight in WEIGHTS else len(WEIGHTS))
+            groups.append((verdict, claims))
         return [(verdict, claims) for verdict, claims in groups if claims]
+
+    @property
+    def weightiest(self) -> list[ClaimView]:
+        """What broke, what is contradicted, what hangs on an input: in this order."""
+        return [c for verdict, group in self.grouped() if verdict in ORDER[:3] for c in group]
 
     @property
     def surprising(self) -> list[ClaimView]:
@@ -130,55 +158,18 @@ class Verdicts:
         return [claim for claim in self.claims if claim.surprising]
 
 
-def _truth(claim: Claim) -> Mapping[str, str] | None:
-    """Words for a claim whose value is a truth, not a number."""
-    if claim.comparator in ("feasible", "infeasible"):
-        return _FEASIBLE
-    if claim.comparator == "equal" and claim.kind in ("identity", "definiteness", "feasibility"):
-        return _TRUTH
-    return None
+def claim_link(paper: str, claim: str) -> Markup:
+    """Return a link to a claim on the same page."""
+    return Markup('<a href="#{}-claim-{}">{}</a>').format(paper, _ANCHOR.sub("-", claim), claim)
 
 
-def _published(claim: Claim) -> Markup:
-    printed = typeset(claim.published)
-    if claim.comparator in ("feasible", "infeasible"):
-        return escape(claim.comparator)
-    if claim.comparator == "less_than":
-        return Markup("less than <code>{}</code>").format(claim.published)
-    if claim.comparator == "all_of":
-        return Markup("{} claims together").format(len(claim.quantity.split()))
-    if _truth(claim):
-        return escape(_TRUTH.get(claim.published, claim.published))
-    if claim.comparator == "inside":
-        low, _, high = claim.published.partition("..")
-        printed = Markup("{} to {}").format(typeset(low), typeset(high))
-    sign = {"at_most": "≤\u00a0", "at_least": "≥\u00a0"}.get(claim.comparator, "")
-    return with_unit(sign + printed, claim.unit) if claim.published else Markup("")
-
-
-def _recomputed(claim: Claim, row: Row) -> Markup:
-    truth = _truth(claim)
-    if truth:
-        return escape(truth.get(row["recomputed"], row["recomputed"]))
-    if not row["recomputed"]:
-        return span(row["range_low"], row["range_high"], claim.unit)
-    # where a bound is nearly met, or an equality missed, as many digits as tell the two numbers apart
-    near = claim.comparator in ("at_most", "at_least", "inside") or row["verdict"] != "reproduced"
-    ends = claim.published.split("..") if near and claim.comparator != "less_than" else ()
-    _, _, power = claim.published.lower().partition("e") if claim.comparator in _NUMERIC else ("", "", "")
-    digits = digits_apart(row["recomputed"], ends)
-    return number(row["recomputed"], claim.unit, digits=digits, power=int(power) if power else None)
-
-
-def _range(row: Row, quantities: Sequence[QuantityView]) -> str:
+def _range(claim: Claim, row: Row, quantities: Sequence[QuantityView], truth: bool) -> Markup:
     low, high = row["range_low"], row["range_high"]
     if quantities and quantities[0].row and (low, high) == (quantities[0].row["lower"], quantities[0].row["upper"]):
-        return ""  # said with the number already
-    if low == high == row["recomputed"]:
-        return ""  # nothing but the value itself
-    if low and high:
-        return low if low == high else f"{low} to {high}"
-    return f"at least {low}" if low else f"at most {high}" if high else ""
+        return Markup("")  # said with the number already
+    if low == high == row["recomputed"] or truth:
+        return Markup("")  # nothing but the value itself
+    return span(low, high, claim.unit)
 
 
 def _at(found: tuple[float, Mapping] | None, of: str, units: Mapping[str, str]) -> Markup:
@@ -187,13 +178,10 @@ def _at(found: tuple[float, Mapping] | None, of: str, units: Mapping[str, str]) 
         return Markup("")
     value, point = found
     inputs = Markup(", ").join(
-        Markup("<code>{}</code> = {}").format(name, _input(at, units.get(name, ""))) for name, at in point.items()
+        Markup("<i>{}</i> = {}").format(name.replace("_", " "), input_value(at, units.get(name, "")))
+        for name, at in point.items()
     )
     return Markup("{} at {}").format(number(repr(value), of), inputs)
-
-
-def _input(value: object, of: str) -> Markup:
-    return escape(value) if isinstance(value, str) else number(repr(value), of)
 
 
 def scan_view(scan: Outcome, of: str) -> ScanView:
@@ -202,54 +190,56 @@ def scan_view(scan: Outcome, of: str) -> ScanView:
     inputs = []
     for entry in scan.inputs:
         if entry.values:
-            shown = Markup(", ").join(_input(value, entry.unit) for value in entry.values)
+            shown = Markup(", ").join(input_value(value, entry.unit) for value in entry.values)
         else:
             shown = span(repr(entry.low), repr(entry.high), entry.unit)
-        inputs.append(Markup("<code>{}</code>: {}").format(entry.name, shown))
-    boundary, turns = scan.boundary, Markup("")
-    if boundary:
-        ends = [_input(end, units[boundary.input]) for end in (boundary.holds, boundary.fails)]
-        turns = Markup("<code>{}</code>: holds at {}, fails at {}").format(boundary.input, *ends)
+        inputs.append(Markup("<i>{}</i>: {}").format(entry.name.replace("_", " "), shown))
     return ScanView(
         scan.samples, scan.holding, scan.criterion, tuple(inputs),
-        span(repr(scan.least[0]), repr(scan.greatest[0]), of), turns,
+        span(repr(scan.least[0]), repr(scan.greatest[0]), of), turning_point(scan),
         _at(scan.holds_at, of, units), _at(scan.fails_at, of, units),
     )  # fmt: skip
 
 
 def quantity_view(found: PaperResults, quantity: str) -> QuantityView:
-    """Return a declared quantity with what was computed of it."""
+    """Return a declared quantity with what was computed of it, and what is on record where that differs."""
     declared = found.case.quantities[quantity]
     row = found.quantities.get(quantity)
+    differing = {d["item"]: d["expected"] for d in found.differences if d["what"] == "quantity"}
     file = found.existing(row["source"]) if row else ""
-    return QuantityView(quantity, declared.meaning, declared.unit, declared.step, row, file)
+    return QuantityView(
+        quantity, declared.meaning, declared.unit, declared.step, row, file, differing.get(quantity)
+    )  # fmt: skip
 
 
 def _claim_view(found: PaperResults, claim: Claim) -> ClaimView:
     row = found.verdicts.get(claim.id)
     verdict = row["verdict"] if row and row["verdict"] in VERDICTS else NONE_YET
-    row = row or dict.fromkeys(("recomputed", "range_low", "range_high", "tolerance", "evidence", "witness",
+    row = row or dict.fromkeys(("recomputed", "range_low", "range_high", "tolerance", "evidence", "witness", "verdict",
                                 "certificate", "note"), "")  # fmt: skip
-    joined = claim.comparator == "all_of"
-    named = [] if joined else [claim.quantity, claim.published if claim.comparator == "less_than" else ""]
+    joins = tuple(claim.quantity.split()) if claim.comparator == "all_of" else ()
+    named = [] if joins else [claim.quantity, claim.published if claim.comparator == "less_than" else ""]
     quantities = tuple(quantity_view(found, name) for name in named if name in found.case.quantities)
+    at_fault = [other for other in joins if found.verdicts.get(other, {}).get("verdict") == verdict]
     scan = found.scans.get(claim.id)
-    declared = found.case.quantities.get(claim.quantity)
+    declared, truth = found.case.quantities.get(claim.quantity), is_truth(found, claim)
     return ClaimView(
         claim=claim,
         verdict=verdict,
         row=row,
-        published=_published(claim),
-        recomputed=_recomputed(claim, row),
-        range=_range(row, quantities),
+        published=published_value(found, claim),
+        recomputed=found_value(found, claim, row),
+        reason=reason(found, claim, row, [claim_link(found.case.name, other) for other in at_fault]),
+        range=_range(claim, row, quantities, truth),
         tolerance=Markup("") if row["tolerance"] in ("", "0.0") else number(row["tolerance"], claim.unit),
         quantities=quantities,
-        joins=tuple(claim.quantity.split()) if joined else (),
+        joins=joins,
         certificates=tuple(
             found.certificates.get(name, CertificateFile(name, False, "the certificate is not on file"))
             for name in row["certificate"].split()
         ),
         scan=scan_view(scan, to_si(declared.unit)[0] if declared else "1") if scan else None,
+        truth=truth,
     )
 
 

@@ -1,99 +1,72 @@
-"""What the synthesis gave beside what is printed: gains entry by entry, designs with their measures."""
+"""Designs beside the printed one: one table of every measure, and their gains."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from gainsay.report.numbers import number, span, typeset
-from gainsay.report.reading import DesignFile, PaperResults, Row
+from gainsay.report.numbers import number, typeset
+from gainsay.report.reading import DesignFile, PaperResults
 
-#: first word of the quantities of the printed design, tried in this order beside those of another design
-PRINTED_PREFIXES = ("audit", "printed", "nominal", "simulation")
+#: relative difference below which two designs are called alike
+ALIKE = 1e-3
 
 
 @dataclass(frozen=True)
-class GainEntry:
-    """An entry of a printed gain against the synthesis.
+class Measure:
+    """A measure of the printed design beside the same one of the others.
 
     Attributes
     ----------
-    place : str
-        Row and column.
-    published, rounding, resynthesised, range : Markup
-    identified : str
-        ``yes``, ``no``, or empty where it was not examined.
-    agrees : str
-        ``yes`` or ``no``: whether the interval of the printed digits meets the entry (its range over near-optimal
-        solutions where there is one); empty where there is nothing to compare.
+    meaning : str
+    better : str
+        ``less`` or ``more``.
+    printed : Markup
+    others : tuple of (Markup, str)
+        Value, and ``better``, ``worse``, ``alike`` or nothing, for each design of `Comparison.designs`.
     """
 
-    place: str
-    published: Markup
-    rounding: Markup
-    resynthesised: Markup
-    range: Markup
-    identified: str
-    agrees: str
-
-
-def _agrees(row: Row) -> str:
-    low = row["range_low"] or row["resynthesised"]
-    high = row["range_high"] or row["resynthesised"]
-    if not low or not high:
-        return ""
-    meets = float(low) <= float(row["rounding_high"]) and float(row["rounding_low"]) <= float(high)
-    return "yes" if meets else "no"
-
-
-def gain_entries(found: PaperResults) -> dict[str, list[GainEntry]]:
-    """Return the entries of every gain, in the order of gains.csv."""
-    gains: dict[str, list[GainEntry]] = {}
-    for row in found.gains:
-        entry = GainEntry(
-            place=f"{row['row']}, {row['column']}",
-            published=typeset(row["published"]),
-            rounding=span(row["rounding_low"], row["rounding_high"]),
-            resynthesised=number(row["resynthesised"]),
-            range=span(row["range_low"], row["range_high"]),
-            identified={"1": "yes", "0": "no"}.get(row["identified"], ""),
-            agrees=_agrees(row),
-        )
-        gains.setdefault(row["gain"], []).append(entry)
-    return gains
+    meaning: str
+    better: str
+    printed: Markup
+    others: tuple[tuple[Markup, str], ...]
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A quantity of the printed design beside the same one of other designs."""
+    """The table of designs: names of the designs measured, and a row a measure."""
 
-    name: str
-    meaning: str
-    printed: Markup
-    others: tuple[Markup, ...]
+    designs: tuple[str, ...]
+    measures: tuple[Measure, ...]
 
 
-def _split(quantity: str, design: str) -> str:
-    """Return what is left of an id without the word of its design; empty where it has none."""
-    words = quantity.split(".")
-    return ".".join(word for word in words if word != design) if design in words else ""
+def _outcome(better: str, printed: float, other: float) -> str:
+    if abs(other - printed) <= ALIKE * max(abs(printed), abs(other)):
+        return "alike"
+    return "better" if (other < printed) == (better == "less") else "worse"
 
 
-def comparisons(found: PaperResults) -> list[Comparison]:
-    """Return the quantities that are measured for the printed design and for another one."""
+def comparison(found: PaperResults) -> Comparison:
+    """Return every measure that paper.toml names of the printed design, beside each design that has it.
+
+    The printed design stands in a row even where no other design was measured alike.
+    """
     rows, case = found.quantities, found.case
-    names = [design.name for design in found.designs]
-    keys = dict.fromkeys(key for quantity in rows for name in names if (key := _split(quantity, name)))
-    compared = []
-    for key in keys:
-        printed = next((q for p in PRINTED_PREFIXES if (q := f"{p}.{key}") in rows), None)
-        if printed is None:
-            continue
-        of = {name: next((q for q in rows if _split(q, name) == key), None) for name in names}
-        others = tuple(number(rows[q]["value"], rows[q]["unit"]) if q else Markup("") for q in of.values())
-        shown = number(rows[printed]["value"], rows[printed]["unit"])
-        compared.append(Comparison(key, case.quantities[printed].meaning, shown, others))
-    return compared
+    names = [*case.paper.designs, *(run for run in case.paper.runs if run not in case.paper.designs)]
+    patterns = {printed: text.split() for printed, text in case.paper.measures.items()}
+    measured = [
+        name for name in names if any(of.replace("{}", name) in case.quantities for _, of in patterns.values())
+    ]  # fmt: skip
+    measures = []
+    for printed, (better, pattern) in patterns.items():
+        own, others = rows.get(printed), []
+        for name in measured:
+            row = rows.get(pattern.replace("{}", name))
+            outcome = _outcome(better, float(own["value"]), float(row["value"])) if row and own else ""
+            others.append((number(row["value"], row["unit"], digits=4) if row else Markup(""), outcome))
+        shown = number(own["value"], own["unit"], digits=4) if own else Markup("")
+        measures.append(Measure(case.quantities[printed].meaning, better, shown, tuple(others)))
+    return Comparison(tuple(measured), tuple(measures))
 
 
 @dataclass(frozen=True)

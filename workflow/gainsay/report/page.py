@@ -4,7 +4,7 @@ import re
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -14,11 +14,20 @@ from markupsafe import Markup, escape
 
 from gainsay import __version__
 from gainsay.report.claims import NONE_YET, ORDER, QuantityView, Verdicts, quantity_view, verdicts_of
-from gainsay.report.designs import Comparison, GainEntry, comparisons, design_matrices, gain_entries
+from gainsay.report.designs import Comparison, comparison, design_matrices
 from gainsay.report.numbers import typeset, unit
-from gainsay.report.reading import PaperResults
+from gainsay.report.pictures import data_uri
+from gainsay.report.provenance import Provenance, provenance_of, provenance_over
+from gainsay.report.published import OUTCOMES, PublishedView, counts_of, published_view
+from gainsay.report.reading import FigureFile, PaperResults
+from gainsay.report.sentences import formula, name, plain_text, said
 from gainsay.tables.files import write_atomically
+from gainsay.verdicts.published import record_line
 
+#: claims that the page over all papers names of each
+MOST_CLAIMS = 6
+#: tables that stand inside the page of a paper
+TABLES_INSIDE = ("published", "verdicts", "quantities")
 #: templates, style sheet and captions
 FOLDER = Path(__file__).resolve().parent / "templates"
 _ID = re.compile(r"[^A-Za-z0-9_.-]")
@@ -30,15 +39,62 @@ class PaperPage:
 
     found: PaperResults
     verdicts: Verdicts
+    published: PublishedView
     quantities: tuple[QuantityView, ...]
-    gains: dict[str, list[GainEntry]]
-    comparisons: list[Comparison]
+    comparison: Comparison
     matrices: dict[str, list[tuple]]
 
     @property
     def case(self) -> Any:
         """The paper's tables."""
         return self.found.case
+
+    @property
+    def finding(self) -> str:
+        """What was found, in two sentences."""
+        return getattr(self.case.paper, "finding", "")
+
+    @property
+    def record(self) -> str:
+        """A line on what differs from the record."""
+        return record_line([tuple(row.values()) for row in self.found.differences])
+
+    @property
+    def accepted(self) -> int:
+        """How many certificates the checker accepts."""
+        return sum(certificate.accepted for certificate in self.found.certificates.values())
+
+    @property
+    def faith(self) -> list[str]:
+        """Sentences on faith that all readable certificates share."""
+        readable = [c.faith for c in self.found.certificates.values() if c.faith]
+        return [sentence for sentence in (readable[0] if readable else ()) if all(sentence in c for c in readable)]
+
+    @cached_property
+    def notation(self) -> list[tuple[Markup, Markup]]:
+        """Symbols of the certificates' formulas with what they stand for, each pair once."""
+        pairs = dict.fromkeys(pair for c in self.found.certificates.values() for pair in c.definitions)
+        return [(name(symbol), formula(text)) for symbol, text in sorted(pairs)]
+
+    @cached_property
+    def tables(self) -> dict[str, str]:
+        """The tables for machines as data links, so that a page that is mailed has them too."""
+        files = {f"{table}.csv": self.case.results / f"{table}.csv" for table in TABLES_INSIDE}
+        return {
+            file: f"data:text/csv;charset=utf-8,{quote(path.read_text(encoding='utf-8'), safe=' ,.;:/()=+-_')}"
+            for file, path in files.items()
+            if path.is_file()
+        }
+
+    @property
+    def provenance(self) -> Provenance:
+        """Digests of what went in, versions of what computed."""
+        return provenance_of(self.found)
+
+    def picture(self, figure: FigureFile) -> Markup:
+        """Return a figure as a data URI."""
+        folder = self.case.results
+        return escape(data_uri(folder / figure.file, folder / figure.print_file if figure.print_file else None))
 
     def decided_by(self, parameter: str) -> list[str]:
         """Claims whose scan turns at a parameter that the paper leaves out."""
@@ -63,9 +119,9 @@ def paper_page(found: PaperResults) -> PaperPage:
     return PaperPage(
         found=found,
         verdicts=verdicts_of(found),
+        published=published_view(found),
         quantities=tuple(quantity_view(found, quantity) for quantity in found.case.quantities),
-        gains=gain_entries(found),
-        comparisons=comparisons(found),
+        comparison=comparison(found),
         matrices={design.name: design_matrices(found, design) for design in found.designs},
     )
 
@@ -97,12 +153,16 @@ def _environment() -> jinja2.Environment:
         unit=unit,
         decimal=_decimal,
         breakable=_breakable,
+        said=said,
+        plain=plain_text,
         url=quote,
         anchor=lambda identifier: _ID.sub("-", identifier),
     )
     environment.globals.update(
         ORDER=ORDER,
         NONE_YET=NONE_YET,
+        OUTCOMES=OUTCOMES,
+        MOST=MOST_CLAIMS,
         version=__version__,
         style=Markup((FOLDER / "style.css").read_text(encoding="utf-8")),
         words=tomllib.loads((FOLDER / "captions.toml").read_text(encoding="utf-8")),
@@ -110,13 +170,24 @@ def _environment() -> jinja2.Environment:
     return environment
 
 
-def render_index(papers: Sequence[PaperResults]) -> str:
-    """Return the page over all papers, which stands in `results/`."""
-    return _environment().get_template("index.html.j2").render(papers=[paper_page(found) for found in papers])
+def render_index(root: Path, papers: Sequence[PaperResults]) -> str:
+    """Return the page over all papers, which stands in `results/`: what was found, a screen a paper."""
+    differences = [tuple(row.values()) for found in papers for row in found.differences]
+    return (
+        _environment()
+        .get_template("index.html.j2")
+        .render(
+            papers=[paper_page(found) for found in papers],
+            outcomes=counts_of([row for found in papers for row in found.published]),
+            differences=differences,
+            record=record_line(differences),
+            provenance_of_all=provenance_over(root, papers),
+        )
+    )
 
 
 def render_paper(found: PaperResults) -> str:
-    """Return the page of one paper, which stands in `results/<paper>/` and needs nothing outside that folder."""
+    """Return the page of one paper, which needs nothing beside itself."""
     return _environment().get_template("paper.html.j2").render(p=paper_page(found))
 
 
@@ -130,5 +201,5 @@ def write_paper(found: PaperResults) -> Path:
 def write_index(root: Path, papers: Sequence[PaperResults]) -> Path:
     """Write the page over all papers and return its path."""
     path = root / "results" / "index.html"
-    write_atomically(path, render_index(papers))
+    write_atomically(path, render_index(root, papers))
     return path

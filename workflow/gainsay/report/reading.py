@@ -6,66 +6,32 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from gainsay.errors import GainsayError, InputError
-from gainsay.proof import kinds
+from gainsay.errors import InputError
+from gainsay.report.certificates import CertificateFile, read_certificate
 from gainsay.tables import Case
 from gainsay.tables.files import read_csv, read_text, shown
 from gainsay.tables.results import FAILURE_COLUMNS, GAIN_COLUMNS, QUANTITY_COLUMNS
+from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
+from gainsay.verdicts.published import PUBLISHED_COLUMNS
 from gainsay.verdicts.table import VERDICT_COLUMNS
 
 CERTIFICATE_COLUMNS = ("certificate", "accepted", "says")
 _SIZE = re.compile(r'<svg\b[^>]*?\bwidth="([\d.]+)[a-z]*"[^>]*?\bheight="([\d.]+)[a-z]*"', re.DOTALL)
 _SIZE_REVERSED = re.compile(r'<svg\b[^>]*?\bheight="([\d.]+)[a-z]*"[^>]*?\bwidth="([\d.]+)[a-z]*"', re.DOTALL)
-_RELATIONS = {
-    "at_most": "≤", "less_than": "<", "at_least": "≥", "greater_than": ">", "inside": "inside", "holds": "holds",
-    "fails": "fails",
-}  # fmt: skip
 
 Row = Mapping[str, str]
 
 
 @dataclass(frozen=True)
-class CertificateFile:
-    """A certificate with what the checker said of it.
-
-    Attributes
-    ----------
-    id : str
-    accepted : bool
-    says : str
-        What it proves, or why it is refused.
-    theorem : str
-        What its conclusions rest on; empty where the file cannot be read.
-    concludes : tuple of str
-        Quantity, relation, value.
-    faith : tuple of str
-        What no check covers.
-    file : str
-        Below the paper's results; empty where it is missing.
-    """
-
-    id: str
-    accepted: bool
-    says: str
-    theorem: str = ""
-    concludes: tuple[str, ...] = ()
-    faith: tuple[str, ...] = ()
-    file: str = ""
-
-
-@dataclass(frozen=True)
 class RunFiles:
-    """A simulated run: its log, views and picture with its pixels, below the paper's results; empty where missing."""
+    """A simulated run: its log and views, below the paper's results; empty where missing."""
 
     name: str
     about: str
     log: str
     recording: str
     foxglove: str
-    picture: str
-    width: int = 0
-    height: int = 0
     figures: tuple[str, ...] = ()
 
 
@@ -101,12 +67,16 @@ class PaperResults:
     case : Case
     verdicts : dict of claim to row
     quantities : dict of quantity to row
-    gains, failures : list of row
+    gains, failures, published : list of row
+    differences : list of row
+        What differs from the record.
     certificates : dict of id to CertificateFile
     scans : dict of claim to Outcome
     figures, runs, designs : list
     missing : list of str
         A sentence for each result file that is not there.
+    code : tuple of str
+        Source files behind the results, below the project root.
     """
 
     case: Case
@@ -114,12 +84,15 @@ class PaperResults:
     quantities: dict[str, Row] = field(default_factory=dict)
     gains: list[Row] = field(default_factory=list)
     failures: list[Row] = field(default_factory=list)
+    published: list[Row] = field(default_factory=list)
+    differences: list[Row] = field(default_factory=list)
     certificates: dict[str, CertificateFile] = field(default_factory=dict)
     scans: dict[str, Outcome] = field(default_factory=dict)
     figures: list[FigureFile] = field(default_factory=list)
     runs: list[RunFiles] = field(default_factory=list)
     designs: list[DesignFile] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)
+    code: tuple[str, ...] = ()
 
     def existing(self, file: str) -> str:
         """Return a path below the paper's results where such a file exists, else nothing."""
@@ -140,28 +113,6 @@ def _table(found: PaperResults, name: str, columns: Sequence[str], lost: str) ->
     return [dict(zip(columns, cells, strict=True)) for _, cells in rows]
 
 
-def _concluded(conclusion: Mapping[str, str]) -> str:
-    about, value = conclusion["quantity"] or conclusion["of"], (conclusion["value"] or "").replace("..", " to ")
-    return f"{about} {_RELATIONS[conclusion['relation']]} {value}".strip()
-
-
-def _certificate(found: PaperResults, row: Row) -> CertificateFile:
-    file = found.existing(f"certificates/{row['certificate']}.json")
-    known = {"id": row["certificate"], "accepted": row["accepted"] == "1", "says": row["says"], "file": file}
-    if not file:
-        return CertificateFile(**known)
-    try:
-        content = json.loads(read_text(found.case.results / file, found.case.root))
-        return CertificateFile(
-            **known,
-            theorem=kinds.load(content["kind"]).THEOREM,
-            concludes=tuple(_concluded(conclusion) for conclusion in content["conclusions"]),
-            faith=tuple(content["faith"]),
-        )
-    except (ValueError, KeyError, TypeError, AttributeError, GainsayError):
-        return CertificateFile(**known)  # a damaged one stands as refused, with the checker's reason
-
-
 def _size(path: Path) -> tuple[int, int]:
     """Width and height of an SVG in CSS pixels (its lengths are points), so that a page does not jump as it loads."""
     with path.open(encoding="utf-8", errors="replace") as file:
@@ -171,15 +122,6 @@ def _size(path: Path) -> tuple[int, int]:
         return 0, 0
     width, height = match.groups() if match else reverse.groups()[::-1]
     return round(float(width) * 4 / 3), round(float(height) * 4 / 3)
-
-
-def _png_size(path: Path) -> tuple[int, int]:
-    """Width and height of a PNG in pixels."""
-    with path.open("rb") as file:
-        head = file.read(24)
-    if len(head) < 24 or not head.startswith(b"\x89PNG"):
-        return 0, 0
-    return int.from_bytes(head[16:20], "big"), int.from_bytes(head[20:24], "big")
 
 
 def _pictures(found: PaperResults, figure_runs: Mapping[str, Sequence[str]] | None) -> None:
@@ -193,10 +135,8 @@ def _pictures(found: PaperResults, figure_runs: Mapping[str, Sequence[str]] | No
         )
     for name, about in paper.runs.items():
         files = [found.existing(f"logs/{name}.{ending}") for ending in ("mcap", "rrd", "foxglove.json")]
-        picture = found.existing(f"gallery/{name}.png") or found.existing(f"logs/{name}.png")
         shown_in = tuple(figure.name for figure in found.figures if name in (figure.runs or ()))
-        size = _png_size(found.case.results / picture) if picture else (0, 0)
-        found.runs.append(RunFiles(name, about, *files, picture, *size, shown_in))
+        found.runs.append(RunFiles(name, about, *files, shown_in))
 
 
 def _designs(found: PaperResults) -> None:
@@ -209,7 +149,9 @@ def _designs(found: PaperResults) -> None:
         found.designs.append(DesignFile(name, about, content["note"], content["matrices"]))
 
 
-def read_results(case: Case, figure_runs: Mapping[str, Sequence[str]] | None = None) -> PaperResults:
+def read_results(
+    case: Case, figure_runs: Mapping[str, Sequence[str]] | None = None, code: Sequence[str] = ()
+) -> PaperResults:
     """Read everything that the page says of a paper.
 
     Parameters
@@ -217,20 +159,24 @@ def read_results(case: Case, figure_runs: Mapping[str, Sequence[str]] | None = N
     case : Case
     figure_runs : mapping of figure to runs, optional
         The runs that each figure is drawn from; None where not known.
+    code : sequence of str, optional
+        Source files behind the results.
 
     Raises
     ------
     InputError
         If a results table is malformed.
     """
-    found = PaperResults(case)
+    found = PaperResults(case, code=tuple(code))
     found.verdicts = {row["claim"]: row for row in _table(found, "verdicts", VERDICT_COLUMNS, "no claim is judged yet")}
     rows = _table(found, "quantities", QUANTITY_COLUMNS, "no number is computed yet")
     found.quantities = {row["quantity"]: row for row in rows}
     found.gains = _table(found, "gains", GAIN_COLUMNS, "the gains are not compared yet")
     found.failures = _table(found, "failures", FAILURE_COLUMNS, "whether a computation broke is not known")
     rows = _table(found, "certificates", CERTIFICATE_COLUMNS, "no certificate is checked yet")
-    found.certificates = {row["certificate"]: _certificate(found, row) for row in rows}
+    found.certificates = {row["certificate"]: read_certificate(case, row) for row in rows}
+    found.published = _table(found, "published", PUBLISHED_COLUMNS, "published numbers are not compared yet")
+    found.differences = _table(found, "differences", DIFFERENCE_COLUMNS, "nothing is held against the record yet")
     found.scans = outcomes(case, read_scans((case.results / "scans").glob("*.json"), case.root))
     _pictures(found, figure_runs)
     _designs(found)

@@ -113,6 +113,8 @@ def lint(case: "Case") -> None:
                 value=declared.unit,
                 expected=f"{to_si(declared.unit)[0]}, since what is computed is in SI",
             )
+    for quantity, text in case.paper.measures.items():
+        _refuse_first(_measure_faults(case, quantity, text), f"papers/{case.name}/paper.toml", None)
     for row, claim in enumerate(case.claims.values(), start=_ROW_OF_FIRST):
         for field, value, expected in _claim_faults(case, claim):
             raise InputError(
@@ -139,7 +141,19 @@ def lint(case: "Case") -> None:
         _refuse_first(faults, f"papers/{case.name}/recorded_scans.csv", row)
 
 
-def _refuse_first(faults: Iterable[tuple[str, str, str]], file: str, row: int) -> None:
+def _measure_faults(case: "Case", quantity: str, text: str) -> Iterator[tuple[str, str, str]]:
+    """Yield field, value and expectation of every fault of a measure in the table of designs."""
+    if quantity not in case.quantities:
+        yield "measures", quantity, "a quantity declared in quantities.csv"
+        return
+    _, pattern = text.split()
+    others = [pattern.replace("{}", name) for name in (*case.paper.designs, *case.paper.runs)]
+    units = {case.quantities[name].unit for name in others if name in case.quantities and name != quantity}
+    if units != {case.quantities[quantity].unit}:
+        yield "measures", pattern, f"quantities of designs or runs in {case.quantities[quantity].unit}"
+
+
+def _refuse_first(faults: Iterable[tuple[str, str, str]], file: str, row: int | None) -> None:
     for field, value, expected in faults:
         raise InputError(file=file, row=row, field=field, value=value, expected=expected)
 

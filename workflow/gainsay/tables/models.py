@@ -52,6 +52,7 @@ Filled = Annotated[str, StringConstraints(min_length=1), AfterValidator(_plain)]
 Slug = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]*$", max_length=100)]
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=100)]
 QuantityId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+(\.[a-z0-9_]+)*$", max_length=100)]
+Measured = Annotated[str, StringConstraints(pattern=r"^(less|more) [a-z0-9_.]*\{\}[a-z0-9_.]*$")]
 Unit = Annotated[str, AfterValidator(_unit)]
 Decimal = Annotated[str, AfterValidator(_decimal)]
 DecimalOrEmpty = Annotated[str, AfterValidator(_decimal_or_empty)]
@@ -176,6 +177,13 @@ class PaperFile(BaseModel):
     designs: dict[Slug, Filled] = Field(default={}, description="designs that synthesis makes: name and what it is")
     runs: dict[Slug, Filled] = Field(description="simulated runs: name and what is simulated")
     figures: dict[Slug, Filled] = Field(description="figures: name and caption")
+    measures: dict[
+        QuantityId, Annotated[str, StringConstraints(pattern=r"^(less|more) [a-z0-9_.]*\{\}[a-z0-9_.]*$")]
+    ] = Field(
+        default={},
+        description="table of designs: quantity of the printed design, then which is better, `less` or `more`, and "
+        "the quantity of another design, `{}` for its name",
+    )
 
 
 def columns(model: type[Row]) -> tuple[str, ...]:
