@@ -74,4 +74,4 @@ nightly: environment kernels versions
 	@GAINSAY_TABLES=3000 $(RUN) pytest -n 2 -m slow tests/gainsay/test_tables_damage.py
 
 clean:
-	@rm -rf results/*/ results/.checked results/index.html results/*.csv
+	@rm -rf results/*/ results/.checked results/*.html results/*.json results/*.csv

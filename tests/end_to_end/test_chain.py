@@ -118,12 +118,15 @@ def table(path: Path) -> list[dict[str, str]]:
 
 
 def digests(root: Path) -> dict[str, str]:
-    """Return what must be identical from run to run: everything but attempts/ and the derived .rrd."""
+    """Return what must be identical from run to run: all but attempts/, provenance.json and the derived .rrd."""
     results = root / "results"
     return {
         str(path.relative_to(results)): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(results.rglob("*"))
-        if path.is_file() and path.suffix != ".rrd" and path.parent.name != "attempts"
+        if path.is_file()
+        and path.suffix != ".rrd"
+        and path.parent.name != "attempts"
+        and path.name != "provenance.json"
     }
 
 

@@ -2,13 +2,13 @@
 
 import csv
 import json
-import struct
-import zlib
 from pathlib import Path
 
 from gainsay.report import write_index, write_paper
 from gainsay.tables.models import TABLES, columns
 from gainsay.tables.results import FAILURE_COLUMNS, GAIN_COLUMNS, QUANTITY_COLUMNS
+from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
+from gainsay.verdicts.published import PUBLISHED_COLUMNS
 from gainsay.verdicts.table import VERDICT_COLUMNS
 
 #: what a hostile table would try; must reach the page as text
@@ -22,8 +22,8 @@ CLAIMS = [
      "audit.peak_fx", "40", "N", "", "reproduced", "two integrators agree", ""),
     ("cost", "Table 1", "trajectory", "The cost of the nominal run.", "equal", "audit.cost", "1.25e6", "1", "",
      "reproduced", "quadrature state", ""),
-    ("eq14", "(14)", "feasibility", "The linear matrix inequality (14) is feasible.", "feasible", "eq14.feasible", "",
-     "1", "", "contradicted", "Farkas certificate in exact rationals", ""),
+    ("eq14", "(14)", "feasibility", r"The inequality (14) with $P \succ 0$ is feasible.", "feasible", "eq14.feasible",
+     "", "1", "", "contradicted", "Farkas certificate in exact rationals", ""),
     ("start", "Figure 4", "trajectory", "Thrusts stay within their bounds.", "at_most", "audit.peak_fy", "40", "N", "",
      "undetermined", "depends on the start of the estimate", ""),
     ("better", "Section 6", "ordering", "The printed design is cheaper than the regulator.", "less_than", "audit.cost",
@@ -87,17 +87,6 @@ def write(path: Path, header, rows) -> None:
         writer.writerows(rows)
 
 
-def png(width: int = 320, height: int = 180) -> bytes:
-    """A grey picture."""
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
-    body = zlib.compress((b"\0" + b"\x60" * width) * height)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
-
-
 def tables(root: Path, paper: str, *, full: bool) -> None:
     """Write the folder of a paper."""
     folder = root / "papers" / paper
@@ -107,7 +96,8 @@ def tables(root: Path, paper: str, *, full: bool) -> None:
         'journal = "Journal of Toys, vol. 1"\nyear = 2001\ndoi = "10.1000/toy.1"\n'
         + ('[designs]\nrepaired = "our repaired design"\nlqr = "linear-quadratic regulator"\n' if full else "")
         + '[runs]\nnominal = "printed gains, two-body plant"\nrepaired = "repaired design"\n'
-        '[figures]\nfigure_2 = "Figure 2: velocities."\nfigure_3 = "Figure 3: thrusts with their bounds"\n',
+        + ('[measures]\n"audit.cost" = "less {}.cost"\n' if full else "")
+        + '[figures]\nfigure_2 = "Figure 2: velocities."\nfigure_3 = "Figure 3: thrusts with their bounds"\n',
         encoding="utf-8",
     )
     rows = {
@@ -161,8 +151,25 @@ def results(root: Path, paper: str) -> None:
         ("eq14-infeasible", 1, "No X, Y satisfy (14), whatever the weights."),
         ("cost-bound", 0, "witness is not positive definite"),
     ])  # fmt: skip
+    write(folder / "published.csv", PUBLISHED_COLUMNS, [
+        (paper, "", "gain", "K(1,1)", "0.0050", "0.0050123456789", "", "0.005", "0.0051", "0.1234568", 1, "reproduced"),
+        (paper, "", "gain", "K(1,2)", "-7.2787e-4", "-0.0009", "", "-0.0009", "-0.0009", "-17213.0", 0, "undetermined"),
+        (paper, "", "gain", "K(2,1)", "1.0", "20.0", "", "20.0", "5000.0", "190.0", 0, "undetermined"),
+        (paper, "", "gain", "K(2,2)", "2", "", "", "", "", "", "", "uncheckable"),
+        (paper, "", "pole", "observer 1 real", "-0.25", "-0.31", "1/s", "-0.32", "-0.30", "-6.0", "", "contradicted"),
+        (paper, "peak-x", "response", "audit.peak_fx", "40", "39.999999600000002", "N", "39.9999995", "39.9999997",
+         "-4e-07", "", "reproduced"),
+    ])  # fmt: skip
+    write(
+        folder / "differences.csv",
+        DIFFERENCE_COLUMNS,
+        [(paper, "quantity", "audit.peak_fx", "39.5", "39.999999600000002", "rounding: allowed difference 0.1")],
+    )
     concluded = {"of": "feasible", "quantity": "eq14.feasible", "relation": "fails", "value": None}
-    content = {"kind": "farkas", "faith": ["That the formulas are the paper's."], "conclusions": [concluded]}
+    content = {"kind": "farkas", "faith": ["That the formulas are the paper's."], "conclusions": [concluded],
+               "fields": {"constraints": [["(14)", "[[sym(P@A), P@B], [..., -eps*eye(2)]] < 0"], ["P", "P > 0"]]},
+               "definitions": [["A", "printed('K')"]], "digest": "sha256:" + "0" * 64,
+               "unknowns": {"P": {"shape": [2, 2], "structure": "symmetric"}, "eps": {}}}  # fmt: skip
     texts = {
         "certificates/eq14-infeasible.json": json.dumps(content),
         "certificates/cost-bound.json": "{",
@@ -177,8 +184,6 @@ def results(root: Path, paper: str) -> None:
     for name, text in texts.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
-    (folder / "gallery").mkdir()
-    (folder / "gallery" / "nominal.png").write_bytes(png())
 
 
 SCAN = {

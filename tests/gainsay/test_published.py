@@ -7,7 +7,14 @@ from gainsay.exact.digits import PrintedNumber
 from gainsay.steps.verdicts import verdicts
 from gainsay.tables.reading import PrintedMatrix
 from gainsay.tables.results import Results
-from gainsay.verdicts.published import PUBLISHED_COLUMNS, published_rows, record_line, summary, units_of_last_digit
+from gainsay.verdicts.published import (
+    PUBLISHED_COLUMNS,
+    published_rows,
+    record_line,
+    record_sentence,
+    summary,
+    units_of_last_digit,
+)
 
 
 def printed(*rows):
@@ -65,11 +72,13 @@ def test_the_summary_counts_every_row_once(rows):
 
 
 def test_the_line_on_the_record_says_whether_a_verdict_differs():
-    assert record_line([]).startswith("record: clean")
+    assert record_sentence([]).endswith("is as on record")
+    assert record_line([]) == record_sentence([]) + "; page: results/index.html"
     numbers = [("toy", "quantity", "a", "1", "2", ""), ("toy", "quantity", "b", "1", "2", "")]
-    assert record_line(numbers) == "record: differs in toy: 2 numbers; no verdict does"
-    line = record_line([*numbers, ("other", "verdict", "c", "reproduced", "contradicted", "")])
-    assert line == "record: differs in toy: 2 numbers; other: 1 verdict; 1 verdict among them"
+    assert record_sentence(numbers) == "2 numbers of toy differ from the record, no verdict does"
+    line = record_sentence([*numbers, ("other", "verdict", "c", "reproduced", "contradicted", "")])
+    assert line == "2 numbers of toy and 1 verdict of other differ from the record, 1 verdict among them"
+    assert record_line(numbers).endswith("details: results/differences.csv; `make record` accepts")
 
 
 @pytest.mark.parametrize(

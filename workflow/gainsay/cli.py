@@ -12,8 +12,8 @@ from gainsay.errors import ComputationError, GainsayError, InputError
 from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, refuse
 from gainsay.tables import find_root, paper_names, read_case
 
-#: what `check` prints at most: lines of differences, and characters of a line
-MOST_LINES, LONGEST = 20, 300
+#: what `check --brief` prints of differences at most, so that all of `make` fits on a screen or two; characters of a line
+MOST_LINES, LONGEST = 10, 160
 EXIT_CODES = "exit codes: 0 clean, 1 differences, 2 bad input, 3 not checked"
 
 
@@ -49,15 +49,14 @@ def check(options: argparse.Namespace) -> int:
         found += shared_differences(options.root)
     for line in summary(row for case in cases for row in published_rows(case)):
         print(line)
-    for paper, what, item, expected, value, note in found[:MOST_LINES]:
-        print(f"{paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}; {note}"[:LONGEST])
-    if len(found) > MOST_LINES:
-        print(f"and {len(found) - MOST_LINES} more, see results/<paper>/differences.csv")
+    shown = found[:MOST_LINES] if options.brief else found
+    for paper, what, item, expected, value, _ in shown:
+        print(f"{paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}"[:LONGEST])
+    if len(found) > len(shown):
+        print(f"and {len(found) - len(shown)} more, which `gainsay check` names")
     print(record_line(found))
     if rest:
         print(f"not checked: {', '.join(rest)}")
-    if found:
-        print("details: results/differences.csv; page: results/index.html; `make record` accepts what was computed")
     return DIFFERENCES if found else CLEAN
 
 
@@ -149,7 +148,10 @@ def _parser() -> argparse.ArgumentParser:
         return command
 
     for name, work in (("lint", lint), ("check", check), ("record", record)):
-        add(name, work).add_argument("papers", nargs="*", help="folder names below papers/; default: all")
+        command = add(name, work)
+        command.add_argument("papers", nargs="*", help="folder names below papers/; default: all")
+        if work is check:
+            command.add_argument("--brief", action="store_true", help=f"name {MOST_LINES} differences at most")
     searched = add("search", search)
     searched.add_argument("paper", help="folder name below papers/")
     searched.add_argument("design", nargs="?", help="a name of [designs] in paper.toml; default: all")
@@ -176,14 +178,10 @@ def view(options: argparse.Namespace) -> int:
 
 
 def gallery(options: argparse.Namespace) -> int:
-    """Render every run without a screen, check that no view is broken or empty, and put the pictures onto the pages."""
+    """Render every run without a screen and check that no view is broken or empty."""
     from gainsay.logs.commands import gallery as render_all
-    from gainsay.steps.page import page
 
-    code = render_all(options.root, options.papers)
-    for paper in _papers(options.root, options.papers):
-        page(read_case(options.root, paper))
-    return code
+    return render_all(options.root, options.papers)
 
 
 def replay(options: argparse.Namespace) -> int:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from gainsay.report.numbers import number, typeset
-from gainsay.report.reading import DesignFile, PaperResults
+from gainsay.report.reading import DesignFile, PaperResults, Row
+from gainsay.tables.lint import measure_of
 
 #: relative difference below which two designs are called alike
 ALIKE = 1e-3
@@ -53,20 +54,26 @@ def comparison(found: PaperResults) -> Comparison:
     """
     rows, case = found.quantities, found.case
     names = [*case.paper.designs, *(run for run in case.paper.runs if run not in case.paper.designs)]
-    patterns = {printed: text.split() for printed, text in case.paper.measures.items()}
-    measured = [
-        name for name in names if any(of.replace("{}", name) in case.quantities for _, of in patterns.values())
-    ]  # fmt: skip
+    asked = {
+        printed: {name: quantity for name in names if (quantity := measure_of(case, text, name)) not in ("", printed)}
+        for printed, text in case.paper.measures.items()
+    }
+    measured = [name for name in names if any(name in quantities for quantities in asked.values())]
     measures = []
-    for printed, (better, pattern) in patterns.items():
-        own, others = rows.get(printed), []
-        for name in measured:
-            row = rows.get(pattern.replace("{}", name))
-            outcome = _outcome(better, float(own["value"]), float(row["value"])) if row and own else ""
-            others.append((number(row["value"], row["unit"], digits=4) if row else Markup(""), outcome))
+    for printed, quantities in asked.items():
+        better = case.paper.measures[printed].partition(" ")[0]
+        own = rows.get(printed)
+        others = tuple(_other(own, rows.get(quantities.get(name, "")), better) for name in measured)
         shown = number(own["value"], own["unit"], digits=4) if own else Markup("")
-        measures.append(Measure(case.quantities[printed].meaning, better, shown, tuple(others)))
+        measures.append(Measure(case.quantities[printed].meaning, better, shown, others))
     return Comparison(tuple(measured), tuple(measures))
+
+
+def _other(own: Row | None, row: Row | None, better: str) -> tuple[Markup, str]:
+    if row is None:
+        return Markup(""), ""
+    outcome = _outcome(better, float(own["value"]), float(row["value"])) if own else ""
+    return number(row["value"], row["unit"], digits=4), outcome
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from gainsay.report.published import OUTCOMES, PublishedView, counts_of, publish
 from gainsay.report.reading import FigureFile, PaperResults
 from gainsay.report.sentences import formula, name, plain_text, said
 from gainsay.tables.files import write_atomically
-from gainsay.verdicts.published import record_line
+from gainsay.verdicts.published import record_sentence
 
 #: claims that the page over all papers names of each
 MOST_CLAIMS = 6
@@ -57,7 +57,7 @@ class PaperPage:
     @property
     def record(self) -> str:
         """A line on what differs from the record."""
-        return record_line([tuple(row.values()) for row in self.found.differences])
+        return record_sentence([tuple(row.values()) for row in self.found.differences])
 
     @property
     def accepted(self) -> int:
@@ -180,7 +180,7 @@ def render_index(root: Path, papers: Sequence[PaperResults]) -> str:
             papers=[paper_page(found) for found in papers],
             outcomes=counts_of([row for found in papers for row in found.published]),
             differences=differences,
-            record=record_line(differences),
+            record=record_sentence(differences),
             provenance_of_all=provenance_over(root, papers),
         )
     )

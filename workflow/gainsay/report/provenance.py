@@ -16,6 +16,7 @@ from pathlib import Path
 
 from gainsay import __version__
 from gainsay.report.reading import PaperResults
+from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import write_atomically
 from gainsay.tables.listing import sha256
 
@@ -65,7 +66,11 @@ def _provenance(root: Path, tables: Iterable[Path], code: Iterable[str], about: 
         ("code that computed them", _digest(root, [root / file for file in code])),
         ("every library and its digest (requirements.lock)", _digest(root, [root / "requirements.lock"])),
     ]
-    versions = [("gainsay", __version__), *((library, _version(library)) for library in LIBRARIES)]
+    versions = [
+        ("gainsay", __version__),
+        ("contract of the results", CONTRACT),
+        *((library, _version(library)) for library in LIBRARIES),
+    ]
     return Provenance(tuple(digests), tuple(versions))
 
 

@@ -8,4 +8,4 @@ rule check:
     output:
         touch("results/.checked"),
     shell:
-        "gainsay check"
+        "gainsay check --brief"

@@ -100,17 +100,14 @@ for paper in ALL:
             f"{paper}_page"
         input:
             results=[listing(paper, "verdicts"), listing(paper, "compare")],
-            tables=[
-                f"papers/{paper}/{table}"
-                for table in (
-                    "paper.toml",
-                    "claims.csv",
-                    "errata.csv",
-                    "not_checked.csv",
-                )
-            ],
+            tables=tables(paper) + sorted(map(str, Path("papers", paper).glob("*.csv"))),
             code=sources(ROOT, "page", paper),
+<<<<<<< HEAD:workflow/gainsay/rules/paper.smk
             templates=TEMPLATES,
+=======
+            lock="requirements.lock",
+            templates=sorted(str(path) for path in Path("workflow/report").glob("*")),
+>>>>>>> fd7fb20 (make ends with what was found; measures of designs stand in paper.toml; the index is an overview):workflow/rules/paper.smk
         output:
             f"results/{paper}/index.html",
             listing(paper, "page"),
@@ -129,4 +126,4 @@ for paper in ALL:
         params:
             paper=paper,
         shell:
-            "gainsay check {params.paper:q}"
+            "gainsay check --brief {params.paper:q}"

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Mapping, Sequence
 
 from gainsay.report import PaperResults, read_results, write_paper
+from gainsay.steps.closure import PAPER_MODULES, sources
 from gainsay.steps.command import step_command
 from gainsay.steps.modules import paper_module
 from gainsay.tables import Case
@@ -20,7 +21,12 @@ def figure_runs(case: Case) -> Mapping[str, Sequence[str]] | None:
 
 def results_of(case: Case) -> PaperResults:
     """Return all that pages say of a paper."""
+<<<<<<< HEAD
     return read_results(case, figure_runs(case))
+=======
+    code = {file for step in PAPER_MODULES for file in sources(case.root, step, case.name)}
+    return read_results(case, figure_runs(case.name), sorted(code))
+>>>>>>> fd7fb20 (make ends with what was found; measures of designs stand in paper.toml; the index is an overview)
 
 
 def page(case: Case) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from gainsay.errors import InputError
-from gainsay.report import PaperResults, write_index
+from gainsay.report import PaperResults, write_index, write_provenance
 from gainsay.steps.command import CLEAN, refuse
 from gainsay.steps.holding import hold_as_step
 from gainsay.steps.page import results_of
@@ -41,6 +41,7 @@ def write_report(root: Path, papers: Sequence[PaperResults]) -> None:
         ]
         write_csv(root / "results" / f"{table}.csv", columns, rows)
     write_index(root, papers)
+    write_provenance(root)  # not in the list of files: it is never the same twice
     write_atomically(root / "results" / "README.md", README)
     files = {"README.md": "", "index.html": "", **{f"{table}.csv": "" for table in JOINED}}
     write_listing(root / "results" / "report.files.csv", root / "results", files)

@@ -146,11 +146,20 @@ def _measure_faults(case: "Case", quantity: str, text: str) -> Iterator[tuple[st
     if quantity not in case.quantities:
         yield "measures", quantity, "a quantity declared in quantities.csv"
         return
-    _, pattern = text.split()
-    others = [pattern.replace("{}", name) for name in (*case.paper.designs, *case.paper.runs)]
-    units = {case.quantities[name].unit for name in others if name in case.quantities and name != quantity}
+    named = [measure_of(case, text, name) for name in (*case.paper.designs, *case.paper.runs)]
+    units = {case.quantities[name].unit for name in named if name and name != quantity}
     if units != {case.quantities[quantity].unit}:
-        yield "measures", pattern, f"quantities of designs or runs in {case.quantities[quantity].unit}"
+        yield "measures", text, f"quantities of designs or runs in {case.quantities[quantity].unit}"
+
+
+def measure_of(case: "Case", text: str, design: str) -> str:
+    """Return the quantity that a measure of paper.toml has for a design or run; empty where it has none.
+
+    A design ``point_1`` is looked for as ``point.1`` too.
+    """
+    _, *patterns = text.split()
+    names = (pattern.replace("{}", name) for pattern in patterns for name in (design, design.replace("_", ".")))
+    return next((name for name in names if name in case.quantities), "")
 
 
 def _refuse_first(faults: Iterable[tuple[str, str, str]], file: str, row: int | None) -> None:

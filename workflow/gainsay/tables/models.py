@@ -48,11 +48,18 @@ def _plain(value: str) -> str:
 
 Text = Annotated[str, AfterValidator(_plain)]
 Filled = Annotated[str, StringConstraints(min_length=1), AfterValidator(_plain)]
+<<<<<<< HEAD
 # What has a name may become a file of that name, which must not be longer than 255 bytes with its ending.
 Slug = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]*$", max_length=100)]
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=100)]
 QuantityId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+(\.[a-z0-9_]+)*$", max_length=100)]
 Measured = Annotated[str, StringConstraints(pattern=r"^(less|more) [a-z0-9_.]*\{\}[a-z0-9_.]*$")]
+=======
+Slug = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]*$")]
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+QuantityId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+(\.[a-z0-9_]+)*$")]
+Measured = Annotated[str, StringConstraints(pattern=r"^(less|more)( [a-z0-9_.]*\{\}[a-z0-9_.]*)+$")]
+>>>>>>> fd7fb20 (make ends with what was found; measures of designs stand in paper.toml; the index is an overview)
 Unit = Annotated[str, AfterValidator(_unit)]
 Decimal = Annotated[str, AfterValidator(_decimal)]
 DecimalOrEmpty = Annotated[str, AfterValidator(_decimal_or_empty)]
@@ -178,11 +185,11 @@ class PaperFile(BaseModel):
     runs: dict[Slug, Filled] = Field(description="simulated runs: name and what is simulated")
     figures: dict[Slug, Filled] = Field(description="figures: name and caption")
     measures: dict[
-        QuantityId, Annotated[str, StringConstraints(pattern=r"^(less|more) [a-z0-9_.]*\{\}[a-z0-9_.]*$")]
+        QuantityId, Annotated[str, StringConstraints(pattern=r"^(less|more)( [a-z0-9_.]*\{\}[a-z0-9_.]*)+$")]
     ] = Field(
         default={},
         description="table of designs: quantity of the printed design, then which is better, `less` or `more`, and "
-        "the quantity of another design, `{}` for its name",
+        "the quantity of another design or run, `{}` for its name; where several are given, the first that there is",
     )
 
 

@@ -35,6 +35,7 @@ LINES = {
     "response": "responses",
     "parameter": "parameters",
 }
+_NOUNS = {"quantity": "number", "failure": "failed computation", "erratum": "erratum's witness"}
 _ENDS = ("reproduced", "contradicted", "undetermined", "undecided", "uncheckable", "failed")
 
 Row = Mapping[str, str]
@@ -165,24 +166,35 @@ def _several(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-def record_line(differences: Sequence[Sequence[str]]) -> str:
-    """Return one line on the record: what differs in which papers, and whether a verdict does.
+def record_sentence(differences: Sequence[Sequence[str]]) -> str:
+    """Return one sentence on the record: what differs in which papers, and whether a verdict does.
 
     Parameters
     ----------
     differences : sequence of rows
         As `gainsay.verdicts.differences.differences` gives them.
+
+    Examples
+    --------
+    >>> record_sentence([("li2021", "quantity", "audit.gain", "1.0", "2.0", "")])
+    '1 number of li2021 differs from the record, no verdict does'
     """
     if not differences:
-        return "record: clean, every verdict, number, scan, certificate and file is as on record"
+        return "record: every verdict, number, scan, certificate and file is as on record"
     papers: dict[str, Counter[str]] = {}
     for paper, what, *_ in differences:
         papers.setdefault(paper, Counter())[what] += 1
-    nouns = {"quantity": "number", "failure": "failed computation", "erratum": "erratum's witness"}
     parts = [
-        f"{paper}: " + ", ".join(_several(count, nouns.get(what, what)) for what, count in found.items())
+        ", ".join(_several(count, _NOUNS.get(what, what)) for what, count in found.items()) + f" of {paper}"
         for paper, found in papers.items()
     ]
     verdicts = sum(found["verdict"] for found in papers.values())
+    verb = "differs" if len(differences) == 1 else "differ"
     ending = "no verdict does" if not verdicts else f"{_several(verdicts, 'verdict')} among them"
-    return f"record: differs in {'; '.join(parts)}; {ending}"
+    return f"{' and '.join(parts)} {verb} from the record, {ending}"
+
+
+def record_line(differences: Sequence[Sequence[str]]) -> str:
+    """Return the last line of `make`: the sentence on the record, and where to look."""
+    line = f"{record_sentence(differences)}; page: results/index.html"
+    return f"{line}; details: results/differences.csv; `make record` accepts" if differences else line
