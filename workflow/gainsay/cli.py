@@ -12,7 +12,7 @@ from gainsay.errors import ComputationError, GainsayError, InputError
 from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, refuse
 from gainsay.tables import find_root, paper_names, read_case
 
-#: what `check --brief` prints of differences at most, so that all of `make` fits on a screen or two; characters of a line
+#: differences that `check --brief` names at most, so that `make` stays on a screen or two; characters of a line
 MOST_LINES, LONGEST = 10, 160
 EXIT_CODES = "exit codes: 0 clean, 1 differences, 2 bad input, 3 not checked"
 

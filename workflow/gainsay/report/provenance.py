@@ -22,6 +22,7 @@ from gainsay.tables.listing import sha256
 
 __all__ = ["Provenance", "provenance_of", "provenance_over", "write_provenance"]
 
+_LIBRARY = Path(__file__).resolve().parents[2]
 #: libraries whose versions numbers depend on
 LIBRARIES = ("numpy", "scipy", "cvxpy", "clarabel", "python-flint", "mcap", "matplotlib", "snakemake")
 
@@ -42,9 +43,17 @@ class Provenance:
     versions: tuple[tuple[str, str], ...]
 
 
+def _named(path: Path, root: Path) -> str:
+    """Return a name that is the same everywhere: below the project, or below where the library is installed."""
+    for base in (root, _LIBRARY):
+        if path.is_relative_to(base):
+            return path.relative_to(base).as_posix().removeprefix("workflow/")
+    return path.name
+
+
 def _digest(root: Path, files: Iterable[Path]) -> str:
     """Return one SHA-256 over the names and the contents of files."""
-    lines = sorted(f"{sha256(path)}  {path.relative_to(root).as_posix()}\n" for path in files if path.is_file())
+    lines = sorted(f"{sha256(path)}  {_named(path, root)}\n" for path in files if path.is_file())
     return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 

@@ -102,12 +102,8 @@ for paper in ALL:
             results=[listing(paper, "verdicts"), listing(paper, "compare")],
             tables=tables(paper) + sorted(map(str, Path("papers", paper).glob("*.csv"))),
             code=sources(ROOT, "page", paper),
-<<<<<<< HEAD:workflow/gainsay/rules/paper.smk
+            lock=sorted(map(str, Path().glob("requirements.lock"))),
             templates=TEMPLATES,
-=======
-            lock="requirements.lock",
-            templates=sorted(str(path) for path in Path("workflow/report").glob("*")),
->>>>>>> fd7fb20 (make ends with what was found; measures of designs stand in paper.toml; the index is an overview):workflow/rules/paper.smk
         output:
             f"results/{paper}/index.html",
             listing(paper, "page"),

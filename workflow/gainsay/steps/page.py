@@ -21,12 +21,8 @@ def figure_runs(case: Case) -> Mapping[str, Sequence[str]] | None:
 
 def results_of(case: Case) -> PaperResults:
     """Return all that pages say of a paper."""
-<<<<<<< HEAD
-    return read_results(case, figure_runs(case))
-=======
     code = {file for step in PAPER_MODULES for file in sources(case.root, step, case.name)}
-    return read_results(case, figure_runs(case.name), sorted(code))
->>>>>>> fd7fb20 (make ends with what was found; measures of designs stand in paper.toml; the index is an overview)
+    return read_results(case, figure_runs(case), sorted(code))
 
 
 def page(case: Case) -> None:

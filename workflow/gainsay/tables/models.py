@@ -48,18 +48,11 @@ def _plain(value: str) -> str:
 
 Text = Annotated[str, AfterValidator(_plain)]
 Filled = Annotated[str, StringConstraints(min_length=1), AfterValidator(_plain)]
-<<<<<<< HEAD
 # What has a name may become a file of that name, which must not be longer than 255 bytes with its ending.
 Slug = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]*$", max_length=100)]
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=100)]
 QuantityId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+(\.[a-z0-9_]+)*$", max_length=100)]
-Measured = Annotated[str, StringConstraints(pattern=r"^(less|more) [a-z0-9_.]*\{\}[a-z0-9_.]*$")]
-=======
-Slug = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]*$")]
-Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
-QuantityId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+(\.[a-z0-9_]+)*$")]
 Measured = Annotated[str, StringConstraints(pattern=r"^(less|more)( [a-z0-9_.]*\{\}[a-z0-9_.]*)+$")]
->>>>>>> fd7fb20 (make ends with what was found; measures of designs stand in paper.toml; the index is an overview)
 Unit = Annotated[str, AfterValidator(_unit)]
 Decimal = Annotated[str, AfterValidator(_decimal)]
 DecimalOrEmpty = Annotated[str, AfterValidator(_decimal_or_empty)]
