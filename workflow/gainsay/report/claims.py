@@ -16,7 +16,13 @@ from gainsay.tables.units import to_si
 from gainsay.verdicts.outcome import Outcome
 
 #: order in which a reader wants them: what broke and what does not hold come first
-ORDER = ("failed", "contradicted", "undetermined", "reproduced", "uncheckable")
+ORDER = tuple(
+    verdict
+    for verdict in ("failed", "contradicted", "undetermined", "undecided", "reproduced", "uncheckable")
+    if verdict in VERDICTS
+)
+#: what a reader is told first
+AGAINST = ("failed", "contradicted", "undetermined", "undecided")
 #: a claim without a verdict yet
 NONE_YET = "none yet"
 #: weights of a contradiction, the weightiest first; a claim without one stands last
@@ -150,7 +156,7 @@ class Verdicts:
     @property
     def weightiest(self) -> list[ClaimView]:
         """What broke, what is contradicted, what hangs on an input: in this order."""
-        return [c for verdict, group in self.grouped() if verdict in ORDER[:3] for c in group]
+        return [c for verdict, group in self.grouped() if verdict in AGAINST for c in group]
 
     @property
     def surprising(self) -> list[ClaimView]:

@@ -13,12 +13,12 @@ import jinja2
 from markupsafe import Markup, escape
 
 from gainsay import __version__
-from gainsay.report.claims import NONE_YET, ORDER, QuantityView, Verdicts, quantity_view, verdicts_of
+from gainsay.report.claims import AGAINST, NONE_YET, ORDER, QuantityView, Verdicts, quantity_view, verdicts_of
 from gainsay.report.designs import Comparison, comparison, design_matrices
 from gainsay.report.numbers import typeset, unit
 from gainsay.report.pictures import data_uri
 from gainsay.report.provenance import Provenance, provenance_of, provenance_over
-from gainsay.report.published import OUTCOMES, PublishedView, counts_of, published_view
+from gainsay.report.published import PublishedView, counts_of, published_view
 from gainsay.report.reading import FigureFile, PaperResults
 from gainsay.report.sentences import formula, name, plain_text, said
 from gainsay.tables.files import write_atomically
@@ -52,7 +52,7 @@ class PaperPage:
     @property
     def finding(self) -> str:
         """What was found, in two sentences."""
-        return getattr(self.case.paper, "finding", "")
+        return " ".join(getattr(self.case.paper, "finding", ()))
 
     @property
     def record(self) -> str:
@@ -161,7 +161,7 @@ def _environment() -> jinja2.Environment:
     environment.globals.update(
         ORDER=ORDER,
         NONE_YET=NONE_YET,
-        OUTCOMES=OUTCOMES,
+        AGAINST=AGAINST,
         MOST=MOST_CLAIMS,
         version=__version__,
         style=Markup((FOLDER / "style.css").read_text(encoding="utf-8")),

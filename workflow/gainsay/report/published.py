@@ -18,7 +18,9 @@ _POLE = re.compile(r"(?P<set>.+) (?P<pole>\S+) (?P<part>\S+)")
 #: how a difference in units of the last printed digit is written
 _DIGITS_OF_DIFFERENCE = 2
 #: the order in which columns of counts stand
-OUTCOMES = ("reproduced", "contradicted", "undetermined", "uncheckable", "failed")
+OUTCOMES = ("reproduced", "contradicted", "undetermined", "undecided", "uncheckable", "failed")
+#: columns that stand even where they are empty
+ALWAYS = OUTCOMES[:3]
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,8 @@ __all__ = ["found_value", "input_value", "is_truth", "published_value", "reason"
 
 _NUMERIC = ("equal", "at_most", "at_least")
 _OPPOSITE = {"feasible": "infeasible", "infeasible": "feasible"}
+#: comparators that hold a truth against a quantity that is 1 or 0
+_TRUTHS = {"feasible": 1.0, "infeasible": 0.0, "holds": 1.0, "fails": 0.0}
 #: digits of an input at which an outcome turns
 _DIGITS_OF_INPUT = 4
 #: inputs that a sentence names, more are counted
@@ -22,7 +24,7 @@ _FEW = 3
 
 def is_truth(found: PaperResults, claim: Claim) -> bool:
     """Whether what a claim is held against is a truth, not a number."""
-    if claim.comparator in _OPPOSITE:
+    if claim.comparator in _TRUTHS:
         return True
     if claim.comparator != "equal" or claim.published not in ("0", "1"):
         return False
@@ -32,8 +34,8 @@ def is_truth(found: PaperResults, claim: Claim) -> bool:
 
 
 def _agrees(claim: Claim, recomputed: str) -> bool:
-    wanted = {"feasible": 1.0, "infeasible": 0.0}.get(claim.comparator)
-    return float(recomputed) == (float(claim.published) if wanted is None else wanted)
+    wanted = _TRUTHS[claim.comparator] if claim.comparator in _TRUTHS else float(claim.published)
+    return float(recomputed) == wanted
 
 
 def _joined(found: PaperResults, claim: Claim) -> list[str]:
