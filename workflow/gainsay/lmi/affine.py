@@ -142,9 +142,16 @@ class Variable(Affine):
         Structure; ``positive`` is a scalar that a program keeps above zero.
     rows, columns : int
         Shape.
+
+    Raises
+    ------
+    InputError
+        The shape has no entries.
     """
 
     def __init__(self, name: str, kind: str, rows: int, columns: int) -> None:
+        if not (rows >= 1 and columns >= 1):
+            raise InputError("unknown", field=name, value=(rows, columns), expected="at least one row and one column")
         self.name, self.kind = name, kind
         if kind == "symmetric":
             self.index = [(i, j) for j in range(columns) for i in range(j + 1)]
@@ -212,13 +219,20 @@ def affine(value: Any) -> Affine:
     Raises
     ------
     InputError
-        The value has not two dimensions (a vector is ambiguous: give it as a row or a column).
+        The value does not hold real numbers, or has not two dimensions (a vector is ambiguous: give it as a row or a
+        column).
     """
     if isinstance(value, Affine):
         return value
     if hasattr(value, "assembled"):
         return value.assembled
-    array = np.asarray(value, dtype=float)
+    try:
+        raw = np.asarray(value)
+        if raw.dtype.kind not in "biufO":  # a conversion would drop imaginary parts, and read texts
+            raise TypeError(raw.dtype)
+        array = raw.astype(float)
+    except (TypeError, ValueError) as error:
+        raise InputError("matrix expression", value=type(value).__name__, expected="real numbers") from error
     if array.ndim == 0:
         array = array.reshape(1, 1)
     if array.ndim != 2:

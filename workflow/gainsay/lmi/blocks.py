@@ -45,6 +45,8 @@ class Definite:
         if expression.shape[0] != expression.shape[1]:
             raise InputError("matrix inequality", value=expression.shape, expected="a square matrix")
         skew = expression - expression.T
+        if expression.shape[0] == 0:
+            raise InputError("matrix inequality", field=getattr(named, "label", None), expected="at least one row")
         size = max([np.abs(expression.constant).max(), *(np.abs(c).max() for c in expression.terms.values())])
         if max([np.abs(skew.constant).max(), *(np.abs(c).max() for c in skew.terms.values())]) > 1e-12 * size:
             raise InputError("matrix inequality", field=getattr(named, "label", None), expected="a symmetric matrix")

@@ -361,8 +361,10 @@ def lower_bound(
     multipliers : dict
         Label of each constraint to its corrected multiplier, in unscaled coordinates.
     """
-    exact = scale.binary
-    scaled = scaling.apply(program, exact)
+    coordinates = scaling.exact(program, scale)
+    if coordinates is None:
+        return -np.inf, {}
+    exact, scaled = coordinates
     system = System(scaled, program.constraints, scaled.cost)
     if not system.solvable():
         return -np.inf, {}
@@ -465,8 +467,11 @@ _CAP = Entrywise("level <= 1", scalar("level"))
 
 def refutation(program: Program, scale: scaling.Scaling, found: Level, attempts: list) -> Farkas | None:
     """Multipliers that refute a program, proved to exist near those of phase one or, pushed inside, near its."""
-    exact = scale.binary
-    system = System(scaling.apply(program, exact), program.constraints, np.zeros(program.size))
+    coordinates = scaling.exact(program, scale)
+    if coordinates is None:
+        return None
+    exact, scaled = coordinates
+    system = System(scaled, program.constraints, np.zeros(program.size))
     if not system.solvable() or not found.multipliers:
         return None
     proved = _refuting(system, scale.multipliers_in(exact, found.multipliers), _CUTS)

@@ -114,7 +114,7 @@ def holds(tensor: np.ndarray, constant: np.ndarray, constraint: Any, x: np.ndarr
     """Whether one inequality is proved for all coordinates within `distance` of x."""
     value = constant + tensor @ x
     terms = int(np.count_nonzero(tensor, axis=-1).max(initial=0))
-    error = gamma(terms + 1) * (np.abs(constant) + np.abs(tensor) @ np.abs(x))
+    error = gamma(terms + 1) * (np.abs(constant) + np.abs(tensor) @ np.abs(x)) + _TINY
     if distance:
         error = error + distance * np.sqrt((tensor**2).sum(axis=-1)) * (1 + gamma(len(x)))
     if isinstance(constraint, Entrywise):

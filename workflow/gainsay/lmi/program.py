@@ -78,6 +78,12 @@ class Program:
         Name of the program in messages.
     margin : float, optional
         Least eigenvalue asked of every strict inequality, relative to its block scaled to a diagonal of about one.
+
+    Raises
+    ------
+    InputError
+        If the objective is no scalar, a coefficient no number, the margin none of 0 to 1, two unknowns have one name,
+        or the scale names no unknown.
     """
 
     minimise: Any = None
@@ -90,10 +96,14 @@ class Program:
         self.objective = affine(0.0 if self.minimise is None else self.minimise)
         if self.objective.shape != (1, 1):
             raise InputError("objective", field=self.label, value=self.objective.shape, expected="a scalar expression")
+        if not 0 <= self.margin < 1:
+            raise InputError("margin", field=self.label, value=self.margin, expected="at least 0, below 1")
         self.constraints = list(_flat(self.subject_to))
         for label, expression in (("objective", self.objective), *((c.label, c.expression) for c in self.constraints)):
             if not all(np.isfinite(part).all() for part in (expression.constant, *expression.terms.values())):
                 raise InputError("coefficient", field=f"{self.label}, {label}", value="nan or inf", expected="numbers")
+            if expression.constant.size == 0:
+                raise InputError("constraint without entries", field=f"{self.label}, {label}")
         for variable in self.variables:
             if variable.kind == "positive" and not any(_keeps(c, variable) for c in self.constraints):
                 self.constraints.append(Definite(f"{variable.name} > 0", variable, True, (("", 1),)))
@@ -238,7 +248,7 @@ def _flat(constraints: Any) -> Iterator[Constraint]:
     if isinstance(constraints, (Definite, Entrywise, Equal)):
         yield constraints
         return
-    if not isinstance(constraints, Iterable):
+    if not isinstance(constraints, Iterable) or isinstance(constraints, str):
         raise InputError("constraint", value=type(constraints).__name__, expected="F < 0, within(...) or equal(...)")
     for constraint in constraints:
         yield from _flat(constraint)

@@ -12,8 +12,10 @@ from gainsay.lmi.program import Program
 
 def ray(program: Program, scale: scaling.Scaling, attempts: list) -> dict[str, Any] | None:
     """Direction d with every linear part >= 0 (= 0 for equalities) and an objective that falls, both proved."""
-    scale = scale.binary
-    scaled = scaling.apply(program, scale)
+    coordinates = scaling.exact(program, scale)
+    if coordinates is None:
+        return None
+    scale, scaled = coordinates
     # the linear parts along d, and an objective of -1
     zeros = tuple(np.zeros_like(c) for c in scaled.constants)
     falls = Equal("fall", Affine(np.ones((1, 1)), {}))

@@ -17,6 +17,10 @@ from gainsay.lmi.program import Program
 from gainsay.lmi.rounding import power_of_two
 
 
+# a coefficient of a proof and its inverse are below this: products of two are far from the ends of double precision
+_FARTHEST = 2.0**450
+
+
 @dataclass(frozen=True)
 class Scaling:
     """Coordinates x = `unknowns` * x'; block j times `rows[j]` from both sides; objective divided by `cost`."""
@@ -27,7 +31,7 @@ class Scaling:
 
     @property
     def binary(self) -> "Scaling":
-        """The scaling by powers of two nearby: a program scaled by it has exactly the coefficients that were given."""
+        """The scaling by powers of two nearby."""
         rows = tuple(power_of_two(d) for d in self.rows)
         return Scaling(power_of_two(self.unknowns), rows, float(power_of_two(np.float64(self.cost))))
 
@@ -57,6 +61,22 @@ def apply(program: Program, scaling: Scaling) -> Scaled:
         constants.append(row.constant * weight)
         tensors.append(row.tensor * weight[..., None] * scaling.unknowns)
     return Scaled(program.cost * scaling.unknowns / scaling.cost, tuple(constants), tuple(tensors))
+
+
+def exact(program: Program, scaling: Scaling) -> tuple[Scaling, Scaled] | None:
+    """Scaling by powers of two near a scaling, and the program scaled by it: with exactly the coefficients given.
+
+    None where a coefficient leaves the range within which sums and products of doubles are rounded relative to their
+    size, or where it was lost: nothing can be proved in such coordinates.
+    """
+    scaling = scaling.binary
+    scaled = apply(program, scaling)
+    given = (program.cost, *(row.constant for row in program.rows), *(row.tensor for row in program.rows))
+    for part, before in zip((scaled.cost, *scaled.constants, *scaled.tensors), given, strict=True):
+        size = np.abs(part[before != 0])
+        if not (size > 1 / _FARTHEST).all() or not (size < _FARTHEST).all():
+            return None
+    return scaling, scaled
 
 
 def first(program: Program) -> Scaling:

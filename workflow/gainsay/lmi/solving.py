@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from gainsay.errors import InputError
 from gainsay.lmi import backends, duality, facial, instability, points, scaling
 from gainsay.lmi.affine import Values
 from gainsay.lmi.blocks import Equal
 from gainsay.lmi.constant import without_solver
 from gainsay.lmi.homogeneous import homogeneous_part
+from gainsay.lmi.nearby import seen_from
 from gainsay.lmi.outcomes import Farkas, Infeasible, Infimum, Outcome, Solved, Unbounded, Undecided
 from gainsay.lmi.program import Program
 from gainsay.lmi.rays import ray
@@ -17,6 +19,8 @@ from gainsay.lmi.rays import ray
 _PRESENT = 1e-9
 # reductions to a face before a program is left undecided
 _MOST_FACES = 6
+# times that a program with little room is looked at from nearer
+_CLOSER = 3
 
 
 def solve(program: Program, near: Values | None = None, rounds: int = 4) -> Outcome:
@@ -31,12 +35,19 @@ def solve(program: Program, near: Values | None = None, rounds: int = 4) -> Outc
     near : mapping, optional
         Values of all unknowns of about the sizes expected, such as the solution of a neighbouring program.
     rounds : int, optional
-        Rescalings a setting.
+        Scalings tried with each setting of the solver, at least one.
 
     Returns
     -------
     Solved or Infeasible or Unbounded or Undecided
+
+    Raises
+    ------
+    InputError
+        If there are no rounds, or `near` lacks an unknown.
     """
+    if rounds < 1:
+        raise InputError("solve", field="rounds", value=rounds, expected="at least 1")
     return _solve(program, near, rounds, _MOST_FACES)[0]
 
 
@@ -47,12 +58,16 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
         return decided, program
     attempts: list[dict] = []
     first = scaling.first(program) if near is None else scaling.from_point(program, program.coordinates(near))
+    inside = None
     for setting in backends.SETTINGS:
         best = _rounds(program, first, setting, rounds, attempts)
         if best is not None:
             return best, program
         if setting != "clarabel":
             continue
+        proof = _contradiction(program)
+        if proof is not None:
+            return Infeasible(proof, tuple(attempts)), program
         if "DualInfeasible" in attempts[-1]["status"]:
             endless = _endless(program, first, attempts)
             if endless is not None:
@@ -63,17 +78,42 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
             proof = _refutation(program, first, found, attempts)
             if proof is not None:
                 return Infeasible(proof, tuple(attempts)), program
+            point = None if found.x is None else _closer(program, first, found.x * first.unknowns, attempts)
+            if point is not None:
+                return point, program
             on_face = _on_face(program, first, found, rounds, faces, attempts)
             if on_face is not None:
                 return on_face
-        elif found.x is not None:
-            first = scaling.from_point(program, found.x * first.unknowns)
-    return Undecided(program.label, tuple(attempts)), program
+        else:
+            inside = found.x * first.unknowns
+            first = scaling.from_point(program, inside)
+    # with less room than the margin asked for
+    point = None if inside is None else _closer(program, first, inside, attempts)
+    return (point, program) if point is not None else (Undecided(program.label, tuple(attempts)), program)
+
+
+def _closer(program: Program, scale: scaling.Scaling, x: np.ndarray, attempts: list) -> Solved | None:
+    """A proved point of a program with little room, seen from near its points: that room is then of size one."""
+    for number in range(_CLOSER + 1):
+        point = _proved(program, scale, x, float("nan"))
+        if point is not None:
+            return replace(point, attempts=tuple(attempts))
+        moved = None if number == _CLOSER else seen_from(program, x)
+        if moved is None:
+            return None
+        own = scaling.first(moved)
+        found = duality.level(scaling.apply(moved, own), moved.constraints)
+        attempts.append({**found.record, "aim": "level, from nearby", "level": found.value})
+        if found.x is None:
+            return None
+        with np.errstate(over="ignore"):
+            x = x + found.x * own.unknowns
+    return None
 
 
 def _refutation(program: Program, scale: scaling.Scaling, found: duality.Level, attempts: list) -> Farkas | None:
     """Proof that a program has no point, of the whole or of its homogeneous part."""
-    proof = _contradiction(program) or duality.refutation(program, scale, found, attempts)
+    proof = duality.refutation(program, scale, found, attempts)
     proof = proof or instability.refutation(program)
     part = homogeneous_part(program) if proof is None else None
     if part is None:
@@ -112,8 +152,10 @@ def _on_face(
     """Refute by rational multipliers, or go on with the program on the face that they expose."""
     if not found.multipliers or faces == 0:
         return None
-    exact = scale.binary
-    scaled = scaling.apply(program, exact)
+    coordinates = scaling.exact(program, scale)
+    if coordinates is None:
+        return None
+    exact, scaled = coordinates
     multipliers = scale.multipliers_in(exact, found.multipliers)
     for target in (0, None) if abs(found.value) < 1e-5 else (None,):
         face = facial.exact_face(scaled, program.constraints, multipliers, target)
@@ -181,8 +223,11 @@ def _rounds(program: Program, scale: scaling.Scaling, setting: str, rounds: int,
 
 def _proved(program: Program, scale: scaling.Scaling, x: np.ndarray, gap: float) -> Solved | None:
     """The point near coordinates x, if it is proved to satisfy the program."""
-    exact = scale.binary
-    proved = points.prove(scaling.apply(program, exact), program.constraints, x / exact.unknowns)
+    coordinates = scaling.exact(program, scale)
+    if coordinates is None:
+        return None
+    exact, scaled = coordinates
+    proved = points.prove(scaled, program.constraints, x / exact.unknowns)
     if proved is None:
         return None
     values = program.values(proved.x * exact.unknowns)
@@ -235,7 +280,14 @@ def infimum(
         Margins tried, from wide to narrow, for the points and for the multipliers; what fails its check is not used.
     near : mapping, optional
         As in `solve`.
+
+    Raises
+    ------
+    InputError
+        If no margin is given.
     """
+    if not margins:
+        raise InputError("infimum", field="margins", value=margins, expected="at least one")
     solved, last = _solve(program, near, 4, _MOST_FACES)
     if not isinstance(solved, Solved):
         return solved

@@ -14,6 +14,10 @@ from gainsay.lmi.program import Program
 from gainsay.lmi.solving import solve
 
 
+# part of the distance of two ends below which a value counts as zero: halving would go on to the smallest double
+_NOTHING = 1e-9
+
+
 def sweep(build: Callable[[float], Program], values: Iterable[float]) -> Iterator[tuple[float, Outcome]]:
     """Solve `build(value)` for each value.
 
@@ -71,13 +75,18 @@ def threshold(
     infeasible, feasible : float
         The two ends; either order.
     relative : float, optional
-        Width at which to stop, relative to the value; values that stay undecided end the search earlier.
+        Width at which to stop, relative to the value; near zero, relative to 1e-9 of the distance of the two ends.
 
     Raises
     ------
     InputError
-        The program at `feasible` has no proved point, or that at `infeasible` has one.
+        The ends are not two finite numbers, the width is not positive, the program at `feasible` has no proved point,
+        or that at `infeasible` has one.
     """
+    if not (np.isfinite([infeasible, feasible]).all() and infeasible != feasible):
+        raise InputError("threshold", value=(infeasible, feasible), expected="two different finite ends")
+    if not relative > 0:
+        raise InputError("threshold", field="relative", value=relative, expected="above 0")
     undecided = []
     program = build(feasible)
     solved = solve(program)
@@ -88,7 +97,8 @@ def threshold(
         raise InputError("a point at the infeasible end", field=program.label, value=infeasible)
     inside, floor = feasible, infeasible
     outside = infeasible if isinstance(far, Infeasible) else float("nan")
-    while abs(inside - floor) > relative * abs(inside):
+    nothing = _NOTHING * abs(feasible - infeasible)
+    while abs(inside - floor) > relative * max(abs(inside), nothing):
         middle = (inside + floor) / 2
         program = build(middle)
         outcome = solve(program, solved.values)
