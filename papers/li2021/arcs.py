@@ -160,7 +160,10 @@ def one_matrix(form: Loop, a: float, b: float, log_scale: np.ndarray) -> tuple[n
         lifted[12:, 12:] += 0.3 * room * D
         lifted[:12, :12] += 0.03 * room * np.diag(np.diag(form.Cz.T @ D @ form.Cz))
         try:
-            P = solve_discrete_are(V[:, :12], V[:, 12:], lifted[:12, :12], lifted[12:, 12:], s=lifted[:12, 12:])
+            # SciPy before 1.17 takes s only together with e
+            P = solve_discrete_are(
+                V[:, :12], V[:, 12:], lifted[:12, :12], lifted[12:, 12:], e=np.eye(12), s=lifted[:12, 12:]
+            )
         except (np.linalg.LinAlgError, ValueError) as error:
             raise ComputationError("disk region", f"Riccati equation: {error}") from error
         P = (P + P.T) / 2

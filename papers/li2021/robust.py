@@ -187,9 +187,9 @@ def norm_riccati(form: Loop, log_scale: np.ndarray, gamma: float) -> tuple[np.nd
     best, found = 0.0, None
     for lift in 10.0 ** np.arange(-1, -7.5, -0.5):
         try:
-            P = solve_continuous_are(
-                form.A, right, weight + lift * np.trace(weight) / 12 * np.eye(12), R, s=Z.T @ D @ through
-            )
+            raised = weight + lift * np.trace(weight) / 12 * np.eye(12)
+            # SciPy before 1.17 takes s only together with e
+            P = solve_continuous_are(form.A, right, raised, R, e=np.eye(12), s=Z.T @ D @ through)
         except (np.linalg.LinAlgError, ValueError):
             continue
         P = (P + P.T) / 2

@@ -22,6 +22,7 @@ from gainsay.lmi import (
     solve,
     sym,
     symmetric,
+    threshold,
     trace,
 )
 
@@ -59,6 +60,12 @@ INFEASIBLE = {
     "trace of a positive matrix": lambda: [P > 0, (trace(P) <= 0).named("trace")],
     "indefinite by a minor": lambda: [x * E1 + 2 * H + E2 > 0, (x <= 3).named("x")],  # x > 4 is needed
     "contradicting equalities": lambda: [P > 0, equal(P[0, 0], 1.0, "a"), equal(P[0, 0], 2.0, "b")],
+    # 2x + 2y = 2 + 4e-16 and x + y = 1, as exact numbers
+    "equalities that differ in the last digit": lambda: [
+        equal(x + y, 1.0, "a"),
+        equal(2 * x + 2 * y, 2 + 4e-16, "b"),
+        x > 0,
+    ],
     "interval of one point, strict": lambda: [(x > 1).named("a"), (x < 1).named("b")],
     # [[x, 1], [1, 0]] > 0: its second diagonal entry is not positive
     "zero on the diagonal, strict": lambda: [x * E1 + H > 0],
@@ -84,6 +91,20 @@ FEASIBLE = {
     "closed interval of one point": lambda: [(x >= 1).named("a"), (x <= 1).named("b")],
     "rank one by equalities": lambda: [P >= 0, *(equal(P[i, j], 1.0, f"{i}{j}") for i in (0, 1) for j in range(i, 2))],
     "strict interval of width 1e-13": lambda: [(x > 0).named("a"), (x < 1e-13).named("b")],
+    # v < x < v (1 + w): the number v (1 + w/2) lies between
+    **{
+        f"strict interval of relative width {w:g} at {v:g}": lambda v=v, w=w: [
+            (x > v).named("a"),
+            (x < v * (1 + w)).named("b"),
+        ]
+        for v in (1e-12, 1.0, 1e12)
+        for w in (1e-6, 1e-9, 1e-13)
+    },
+    # v < P < v (1 + 1e-10) in the order of forms: v (1 + 5e-11) I lies between
+    "strict interval of matrices": lambda: [
+        (P > 3e4 * np.eye(2)).named("a"),
+        (P < 3e4 * (1 + 1e-10) * np.eye(2)).named("b"),
+    ],
 }
 
 
@@ -151,6 +172,54 @@ def test_no_unknowns_and_no_constraints():
     assert isinstance(solve(Program(subject_to=[equal(affine([[1.0]]), 0.0, "1 = 0")])), Infeasible)
     assert isinstance(solve(Program()), Solved)
     assert isinstance(infimum(Program(minimise=x)), Unbounded)
+
+
+def test_numbers_too_small_to_be_scaled_are_no_points():
+    # [[x, v], [v, 0]] has the determinant -v^2 < 0 whatever x; v^2 is no double
+    for v in (1e-170, 1e-250, 5e-324):
+        near = {"x": 1e-9 * v}
+        assert isinstance(solve(Program(subject_to=[affine(x * E1 + v * H) >= 0]), near), Undecided)
+    # a threshold at zero ends: at every v > 0 the program is weakly infeasible
+    found = threshold(lambda v: Program(subject_to=[x * E1 + v * H >= 0]), infeasible=1.0, feasible=0.0)
+    assert found.feasible == 0 and np.isnan(found.infeasible)
+
+
+def test_unbounded_where_the_solver_stumbles():
+    # G = sum d_i A_i > 0 by construction, along d the objective falls: no finite infimum
+    rng = np.random.default_rng(46)
+    for n, m in ((9, 18), (5, 7), (12, 20)):
+        A = [B + B.T for B in rng.standard_normal((m, n, n))]
+        d, root = rng.standard_normal(m), rng.standard_normal((n, n))
+        last = (root @ root.T / n + 0.1 * np.eye(n) - sum(s * B for s, B in zip(d[1:], A[1:], strict=True))) / d[0]
+        A[0] = (last + last.T) / 2
+        unknowns = [scalar(f"x{i}") for i in range(m)]
+        block = sum((v * B for v, B in zip(unknowns, A, strict=True)), affine(A[1] + A[2]))
+        objective = sum((v * float(-s) for v, s in zip(unknowns, d, strict=True)), affine(0.0))
+        assert isinstance(infimum(Program(minimise=objective, subject_to=[block > 0])), Unbounded)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Program(subject_to=["x > 0"]),
+        lambda: Program(subject_to=[affine(np.zeros((0, 0))) > 0]),
+        lambda: Program(subject_to=[equal(affine(np.zeros((0, 1))), 0, "nothing")]),
+        lambda: Program(subject_to=[affine(np.array([[1j]])) > 0]),
+        lambda: Program(subject_to=[affine("1") > 0]),
+        lambda: Program(subject_to=[x > 0], margin=np.nan),
+        lambda: Program(subject_to=[x > 0], margin=-1.0),
+        lambda: symmetric("N", 0),
+        lambda: matrix("N", -1, 2),
+        lambda: solve(Program(subject_to=[x > 0]), rounds=0),
+        lambda: infimum(Program(minimise=x, subject_to=[x > 0]), margins=()),
+        lambda: threshold(lambda v: Program(subject_to=[x > v, x < 1]), infeasible=np.nan, feasible=0.0),
+        lambda: threshold(lambda v: Program(subject_to=[x > v, x < 1]), infeasible=0.0, feasible=0.0),
+        lambda: threshold(lambda v: Program(subject_to=[x > v, x < 1]), infeasible=2.0, feasible=0.0, relative=0.0),
+    ],
+)
+def test_what_is_no_program_is_refused(make):
+    with pytest.raises(InputError):
+        make()
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])

@@ -13,6 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from gainsay.errors import InputError
+from gainsay.exact.floats import real_array
 
 
 def direction_cosines(angles) -> np.ndarray:
@@ -103,10 +104,8 @@ def inertia_matrix(inertia) -> np.ndarray:
     InputError
         If it is not symmetric positive definite or violates the triangle inequality of a rigid body.
     """
-    J = np.asarray(inertia, dtype=float)
+    J = real_array(inertia, "inertia")
     J = np.diag(J) if J.ndim == 1 else J
-    if not np.isfinite(J).all():
-        raise InputError("inertia", value=J.tolist(), expected="finite entries")
     if J.shape != (3, 3) or not np.allclose(J, J.T, rtol=1e-12, atol=0):
         raise InputError("inertia", value=J.shape, expected="three principal moments or a symmetric 3x3 matrix")
     moments = np.linalg.eigvalsh(J)

@@ -6,6 +6,7 @@ import numpy as np
 
 from gainsay.dynamics.attitude import inertia_matrix
 from gainsay.errors import InputError
+from gainsay.exact.floats import real_array
 
 
 @dataclass(frozen=True)
@@ -56,10 +57,7 @@ class FlexibleBody:
         for field, expected in shapes.items():
             if np.shape(getattr(self, field)) != expected:
                 raise InputError(field=field, value=np.shape(getattr(self, field)), expected=f"shape {expected}")
-            if not np.isfinite(np.asarray(getattr(self, field), dtype=float)).all():
-                raise InputError(
-                    field=field, value=np.asarray(getattr(self, field)).tolist(), expected="finite entries"
-                )
+            object.__setattr__(self, field, real_array(getattr(self, field), field))
         inertia_matrix(self.inertia)
         for field, floor, expected in (("frequency", 5e-324, "above 0 rad/s"), ("damping", 0.0, "at least 0")):
             if np.any(np.asarray(getattr(self, field)) < floor):

@@ -17,11 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from gainsay.errors import InputError
+from gainsay.exact.floats import real_number
 
 
 def _require_positive(**values: float) -> None:
     for name, value in values.items():
-        if not (math.isfinite(value) and value > 0):
+        if not real_number(value, name) > 0:
             raise InputError("", field=name, value=value, expected="a positive finite number")
 
 
@@ -44,8 +45,7 @@ def clohessy_wiltshire(rate: float) -> np.ndarray:
     InputError
         If the rate is not finite.
     """
-    if not math.isfinite(rate):
-        raise InputError("", field="rate", value=rate, expected="a finite number")
+    real_number(rate, "rate")
     A = np.zeros((6, 6))
     A[:3, 3:] = np.eye(3)
     A[3, 0], A[3, 4] = 3 * rate**2, 2 * rate
@@ -85,7 +85,7 @@ class KeplerOrbit:
 
     def __post_init__(self) -> None:
         _require_positive(gravitational_parameter=self.gravitational_parameter, semi_major_axis=self.semi_major_axis)
-        if not 0 <= self.eccentricity < 1:
+        if not 0 <= real_number(self.eccentricity, "eccentricity") < 1:
             raise InputError("", field="eccentricity", value=self.eccentricity, expected="at least 0, below 1")
 
     @property

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from gainsay.errors import InputError
+from gainsay.exact.floats import real_array
 
 Values = Mapping[str, Any]
 
@@ -226,13 +227,7 @@ def affine(value: Any) -> Affine:
         return value
     if hasattr(value, "assembled"):
         return value.assembled
-    try:
-        raw = np.asarray(value)
-        if raw.dtype.kind not in "biufO":  # a conversion would drop imaginary parts, and read texts
-            raise TypeError(raw.dtype)
-        array = raw.astype(float)
-    except (TypeError, ValueError) as error:
-        raise InputError("matrix expression", value=type(value).__name__, expected="real numbers") from error
+    array = real_array(value, "matrix expression", finite=False)
     if array.ndim == 0:
         array = array.reshape(1, 1)
     if array.ndim != 2:

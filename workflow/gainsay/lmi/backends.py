@@ -49,6 +49,8 @@ SETTINGS = {
     "clarabel, short steps": {"max_step_fraction": 0.9, "max_iter": 400},
     "cvxpy": None,
 }
+#: settings under which Clarabel is called directly
+CLARABEL = tuple(name for name, values in SETTINGS.items() if values is not None)
 
 
 def run(scaled: Scaled, constraints: Sequence, margin: float, setting: str = "clarabel") -> Raw:

@@ -1,7 +1,7 @@
 """A semidefinite program as stated, its coordinates, and the check of a point in plain numpy."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -260,4 +260,4 @@ def _keeps(constraint: Constraint, variable: Variable) -> bool:
 
 
 def _renamed(constraint: Constraint, label: str) -> Constraint:
-    return type(constraint)(**{**constraint.__dict__, "label": label})
+    return replace(constraint, label=label)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from gainsay.lmi import duality, points, scaling
+from gainsay.lmi import backends, duality, points, scaling
 from gainsay.lmi.affine import Affine
 from gainsay.lmi.blocks import Definite, Entrywise, Equal
 from gainsay.lmi.program import Program
@@ -21,18 +21,17 @@ def ray(program: Program, scale: scaling.Scaling, attempts: list) -> dict[str, A
     falls = Equal("fall", Affine(np.ones((1, 1)), {}))
     closed = [_closed(c) for c in program.constraints]
     cone = scaling.Scaled(np.zeros(program.size), (*zeros, np.ones(1)), (*scaled.tensors, scaled.cost[None, :]))
-    found = duality.level(cone, (*closed, falls))
-    attempts.append({**found.record, "aim": "ray", "level": found.value})
-    if found.x is None:
-        return None
     own = scaling.Scaled(scaled.cost, zeros, scaled.tensors)
-    size = np.abs(found.x).max(initial=0.0)
-    for cut in (0.0, 1e-8, 1e-6, 1e-4):
-        x = np.where(np.abs(found.x) > cut * size, found.x, 0.0)
-        proved = points.prove(own, closed, x)
-        # an exact direction is near: its part in the equalities is bounded, its inequalities are proved
-        if proved is not None and proved.high < 0:
-            return program.values(proved.x * scale.unknowns)
+    for setting in backends.CLARABEL:
+        found = duality.level(cone, (*closed, falls), setting)
+        attempts.append({**found.record, "aim": "ray", "level": found.value})
+        size = 0.0 if found.x is None else np.abs(found.x).max(initial=0.0)
+        for cut in (0.0, 1e-8, 1e-6, 1e-4) if size else ():
+            x = np.where(np.abs(found.x) > cut * size, found.x, 0.0)
+            proved = points.prove(own, closed, x)
+            # an exact direction is near: its part in the equalities is bounded, its inequalities are proved
+            if proved is not None and proved.high < 0:
+                return program.values(proved.x * scale.unknowns)
     return None
 
 

@@ -14,10 +14,14 @@ from scipy.integrate import OdeSolution, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.exact.floats import real_array
 
 Function = Callable[[float, np.ndarray], np.ndarray]
 _NUDGE = 1e-9
 _MAX_KINKS = 10_000
+METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+#: evaluations of the right-hand side within which time must go on by more than this part of the whole
+_STILL, _SMALLEST = 20_000, 1e-9
 #: part of an output's spread by which a sample may miss the peak beside it
 _CLOSE = 0.05
 
@@ -40,16 +44,23 @@ class Trajectory:
     steps: np.ndarray
 
     def __call__(self, time: np.ndarray | float) -> np.ndarray:
-        """Return the states, shape (states,) at a time or (len(time), states) at many."""
+        """Return the states, shape (states,) at a time or (len(time), states) at many; InputError outside the span."""
         if np.ndim(time) == 0:
+            self._require_inside(np.asarray(time))
             return self._piece(float(time))(float(time))
         time = np.asarray(time, dtype=float)
+        self._require_inside(time)
         owner = np.clip(np.searchsorted(self.ends, time, side="right") - 1, 0, len(self.pieces) - 1)
         states = np.empty((len(time), self.pieces[0](self.ends[0]).size))
         for index in np.unique(owner):
             chosen = owner == index
             states[chosen] = self.pieces[index](time[chosen]).T
         return states
+
+    def _require_inside(self, time: np.ndarray) -> None:
+        room = 1e-9 * self.ends[-1]
+        if not ((time >= -room) & (time <= self.ends[-1] + room)).all():
+            raise InputError("", field="time", value=time.tolist(), expected=f"0..{self.ends[-1]:g} s")
 
     def _piece(self, time: float) -> OdeSolution:
         index = int(np.clip(np.searchsorted(self.ends, time, side="right") - 1, 0, len(self.pieces) - 1))
@@ -85,26 +96,27 @@ def integrate(
     Raises
     ------
     InputError
-        If the start, its derivative or the end is not finite, or the end does not lie after zero.
+        If the start, its derivative or the end is not finite, the end does not lie after zero, a tolerance is not
+        positive, or the method is unknown.
     ComputationError
-        If the integrator gives up or the state ceases to be finite, with the time at which it did.
+        If the integrator gives up or stands still, or the state ceases to be finite, with the time at which it did.
     """
     _require_start(right_hand_side, start, end)
-    for kink in kinks:
-        kink.terminal = True  # type: ignore[attr-defined]  # solve_ivp's own convention
+    _require_tolerances(np.size(start), rtol, atol, method)
+    events = [_event(kink) for kink in kinks] or None
     time, state = 0.0, np.asarray(start, dtype=float)
     ends, pieces, steps = [0.0], [], [np.array([0.0])]
     while time < end:
-        found = solve_ivp(
-            _guarded(right_hand_side),
-            (time, end),
-            state,
-            method,
-            rtol=rtol,
-            atol=atol,
-            dense_output=True,
-            events=kinks or None,
-        )
+        guarded = _Guarded(right_hand_side, end)
+        try:
+            found = solve_ivp(
+                guarded, (time, end), state, method, rtol=rtol, atol=atol, dense_output=True, events=events
+            )
+        except (ValueError, np.linalg.LinAlgError) as error:  # of matrices that hold an infinite derivative
+            if guarded.infinite is None:
+                raise
+            message = f"the derivative is infinite at t = {guarded.infinite!r} s"
+            raise ComputationError("integration", message) from error
         if found.status < 0:
             raise ComputationError("integration", f"{method} gave up at t = {float(found.t[-1])!r} s: {found.message}")
         if not np.isfinite(found.y).all():
@@ -126,9 +138,9 @@ def integrate(
 def _require_start(right_hand_side: Function, start: np.ndarray, end: float) -> None:
     if not (np.isfinite(end) and end > 0):
         raise InputError("", field="end", value=end, expected="a finite time after 0 s")
-    state = np.asarray(start, dtype=float)
-    if state.ndim != 1 or not np.isfinite(state).all():
-        raise InputError("", field="start", value=state.tolist(), expected="one finite number a state")
+    state = real_array(start, "start")
+    if state.ndim != 1 or not len(state):
+        raise InputError("", field="start", value=state.shape, expected="one number a state")
     slope = np.asarray(right_hand_side(0.0, state), dtype=float)
     if slope.shape != state.shape or not np.isfinite(slope).all():
         raise InputError(
@@ -136,19 +148,51 @@ def _require_start(right_hand_side: Function, start: np.ndarray, end: float) -> 
         )
 
 
-def _guarded(right_hand_side: Function) -> Function:
-    """The right-hand side, which ends the integration where a time or state that is not a number is asked for.
+def _require_tolerances(states: int, rtol: float, atol: float | np.ndarray, method: str) -> None:
+    if not (np.isfinite(rtol) and rtol > 0):
+        raise InputError("", field="rtol", value=rtol, expected="a positive number")
+    if np.shape(atol) not in ((), (states,)) or not (np.isfinite(atol).all() and (np.asarray(atol) >= 0).all()):
+        raise InputError("", field="atol", value=np.asarray(atol).tolist(), expected="one number, or one a state, >= 0")
+    if method not in METHODS:
+        raise InputError("", field="method", value=method, expected=" | ".join(METHODS))
 
-    An integrator whose step has become nan would go on for ever; infinite trial values may still be rejected by it.
+
+def _event(kink: Callable[[float, np.ndarray], float]) -> Callable[[float, np.ndarray], float]:
+    def event(t: float, x: np.ndarray) -> float:
+        value = kink(t, x)
+        if np.isnan(value):
+            raise ComputationError("integration", f"the function of a kink is not a number at t = {float(t)!r} s")
+        return value
+
+    event.terminal = True  # type: ignore[attr-defined]  # solve_ivp's own convention
+    return event
+
+
+class _Guarded:
+    """The right-hand side, which ends an integration that would go on for ever.
+
+    That is one whose step has become nan, or so small that time stands still, as it does before a pole of the solution.
+    Infinite trial values may still be rejected by the integrator.
     """
 
-    def guarded(t: float, x: np.ndarray) -> np.ndarray:
-        slope = right_hand_side(t, x)
+    def __init__(self, right_hand_side: Function, end: float) -> None:
+        self.right_hand_side, self.end = right_hand_side, end
+        self.infinite: float | None = None
+        self.calls, self.latest, self.mark = 0, -np.inf, -np.inf
+
+    def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
+        slope = self.right_hand_side(t, x)
         if np.isnan(slope).any():
             raise ComputationError("integration", f"the derivative is not a number at t = {float(t)!r} s")
+        if np.isinf(slope).any():
+            self.infinite = float(t)
+        self.calls += 1
+        self.latest = max(self.latest, float(t))
+        if self.calls % _STILL == 0:
+            if self.latest - self.mark < _SMALLEST * self.end:
+                raise ComputationError("integration", f"time stands still at t = {self.latest!r} s")
+            self.mark = self.latest
         return slope
-
-    return guarded
 
 
 def largest(
@@ -167,11 +211,16 @@ def largest(
     Returns
     -------
     time, value : float
+
+    Raises
+    ------
+    ComputationError
+        If the output is not a number at some time.
     """
     steps = np.unique(np.concatenate([trajectory.steps, trajectory.ends]))
     fractions = np.arange(refine) / refine
     grid = np.append((steps[:-1, None] + fractions * np.diff(steps)[:, None]).ravel(), steps[-1])
-    values = output(grid, trajectory(grid))
+    values = _outputs(output, grid, trajectory)
     best = int(np.argmax(values))
     time, value = float(grid[best]), float(values[best])
 
@@ -191,6 +240,13 @@ def largest(
     return time, value
 
 
+def _outputs(output: Callable, grid: np.ndarray, trajectory: Trajectory) -> np.ndarray:
+    values = np.asarray(output(grid, trajectory(grid)))
+    if np.isnan(values).any():
+        raise ComputationError("output", f"not a number at t = {float(grid[np.isnan(values)][0])!r} s")
+    return values
+
+
 def last_crossing(
     trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], np.ndarray], *, refine: int = 6
 ) -> float:
@@ -205,11 +261,11 @@ def last_crossing(
     Raises
     ------
     ComputationError
-        If the output is not negative at the end, or was never positive.
+        If the output is not negative at the end, was never positive, or is not a number at some time.
     """
     steps = np.unique(np.concatenate([trajectory.steps, trajectory.ends]))
     grid = np.append((steps[:-1, None] + np.arange(refine) / refine * np.diff(steps)[:, None]).ravel(), steps[-1])
-    values = output(grid, trajectory(grid))
+    values = _outputs(output, grid, trajectory)
     positive = np.flatnonzero(values >= 0)
     if len(positive) == 0 or positive[-1] == len(grid) - 1:
         raise ComputationError("crossing", "the output does not pass from positive to lastingly negative")

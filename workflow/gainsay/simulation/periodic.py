@@ -13,6 +13,7 @@ from scipy.linalg import expm
 from scipy.optimize import minimize_scalar
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.exact.floats import real_array, real_number
 
 _GAUSS = np.sqrt(3) / 6
 
@@ -97,17 +98,22 @@ class PeriodicSolution:
     Raises
     ------
     InputError
-        If the period or the start is not finite, or a count is below one.
+        If the period, the start or A(0) is not finite or their shapes do not fit, or a count is below one.
     ComputationError
         If the state leaves double precision.
     """
 
     def __init__(self, A: Callable, period: float, start: np.ndarray, periods: int, steps: int = 40) -> None:
-        if not (np.isfinite(period) and period > 0) or periods < 1 or steps < 1:
-            raise InputError("period, periods and steps must be positive", value=(period, periods, steps))
-        start = np.asarray(start, dtype=float)
-        if start.ndim != 1 or not np.isfinite(start).all():
-            raise InputError(field="start", value=start.tolist(), expected="one finite number a state")
+        if not real_number(period, "period") > 0:
+            raise InputError(field="period", value=period, expected="above 0 s")
+        for name, count in (("periods", periods), ("steps", steps)):
+            if not isinstance(count, int | np.integer) or count < 1:
+                raise InputError(field=name, value=count, expected="a whole number, at least 1")
+        start = real_array(start, "start")
+        if start.ndim != 1 or not len(start):
+            raise InputError(field="start", value=start.shape, expected="one number a state")
+        if real_array(A(0.0), "A(0)").shape != (len(start), len(start)):
+            raise InputError(field="A(0)", value=np.shape(A(0.0)), expected=f"shape ({len(start)}, {len(start)})")
         self.A, self.period, self.step = A, float(period), float(period) / steps
         n = len(start)
         maps = np.empty((steps, n, n))
@@ -165,7 +171,11 @@ class PeriodicSolution:
         neighbours; a peak narrower than two steps could be missed, so the steps must resolve the fastest motion.
         """
         keep = self.times >= after - 1e-12
+        if not keep.any():
+            raise InputError(field="after", value=after, expected=f"0..{self.times[-1]}")
         t, values = self.times[keep], np.asarray(function(self.times[keep], self.states[keep]))
+        if np.isnan(values).any():
+            raise ComputationError("periodic solution", f"the function is not a number at {t[np.isnan(values)][0]:g} s")
         best = int(np.argmax(values))
         top = Extreme(float(t[best]), float(values[best]), self.states[keep][best])
         floor = values[best] - 0.05 * abs(values[best])

@@ -61,6 +61,8 @@ class DelaySystem:
     def __init__(self, A: object, Bd: object, Cd: object, B: object = None, C: object = None, D: object = None) -> None:
         self.exact = {name: _entries(value, name) for name, value in (("A", A), ("Bd", Bd), ("Cd", Cd))}
         n = self.exact["A"].shape[0]
+        if n == 0:
+            raise InputError("a delay system has states", field="A", value=(0, 0), expected="(n, n), n >= 1")
         rank = self.exact["Bd"].shape[1]
         self.exact["B"] = _entries(np.zeros((n, 0)) if B is None else B, "B")
         inputs = self.exact["B"].shape[1]

@@ -150,7 +150,10 @@ def structured_bounds(M, blocks: Sequence[int]) -> StructuredBounds:
     >>> round(structured_bounds([[0, 4], [1, 0]], [1, 1]).upper, 6)
     2.0
     """
-    M = np.asarray(M, dtype=complex)
+    try:
+        M = np.asarray(M, dtype=complex)
+    except (TypeError, ValueError) as error:
+        raise InputError("structured singular value", field="M", expected="a matrix of complex numbers") from error
     if M.ndim != 2 or M.shape[0] != M.shape[1] or not M.size or not np.isfinite(M).all():
         raise InputError("structured singular value", field="M", value=M.shape, expected="a finite square matrix")
     sizes = [int(k) for k in blocks]
@@ -158,12 +161,19 @@ def structured_bounds(M, blocks: Sequence[int]) -> StructuredBounds:
         raise InputError("blocks", value=list(blocks), expected=f"positive sizes that add up to {len(M)}")
     if not M.any():
         return StructuredBounds(0.0, 0.0, np.full_like(M, np.nan), np.ones(len(sizes)))
-    scaling = _best_scaling(M, sizes)
-    whole = np.repeat(scaling, sizes)
-    norm = float(np.linalg.norm(M * whole[:, None] / whole[None, :], 2))
+    try:
+        with np.errstate(over="ignore", under="ignore"):
+            scaling = _best_scaling(M, sizes)
+            whole = np.repeat(scaling, sizes)
+            norm = float(np.linalg.norm(M * whole[:, None] / whole[None, :], 2))
+    except np.linalg.LinAlgError as error:  # entries too far apart for doubles
+        raise ComputationError("structured singular value", f"no scaling of the blocks: {error}") from error
     for room in (1e-13, 1e-11, 1e-9, 1e-6):
         if _norm_below(M, whole, norm * (1 + room)):
-            lower, perturbation = _worst(M, sizes)
+            try:
+                lower, perturbation = _worst(M, sizes)
+            except np.linalg.LinAlgError as error:
+                raise ComputationError("structured singular value", f"no lower bound: {error}") from error
             return StructuredBounds(lower, norm * (1 + room), perturbation, scaling)
     raise ComputationError("structured singular value", f"no proof of the upper bound {norm!r}")
 

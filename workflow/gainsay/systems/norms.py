@@ -296,7 +296,8 @@ def bounded_real_certificate_matrix(A, B, C, D, gamma: float) -> np.ndarray:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                P = solve_continuous_are(A, B, Q, -R, s=C.T @ D)
+                # SciPy before 1.17 takes s only together with e
+                P = solve_continuous_are(A, B, Q, -R, e=np.eye(len(A)), s=C.T @ D)
         except (np.linalg.LinAlgError, ValueError) as error:
             attempts.append({"raised": 10.0**exponent, "error": str(error).splitlines()[0]})
             continue

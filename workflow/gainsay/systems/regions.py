@@ -6,6 +6,7 @@ import numpy as np
 from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
 from gainsay.errors import InputError
+from gainsay.exact.floats import real_array, real_number
 from gainsay.systems.statespace import spectral_abscissa, square
 
 
@@ -30,8 +31,9 @@ class Disk:
     radius: float
 
     def __post_init__(self) -> None:
-        if not np.isfinite(self.centre) or not np.isfinite(self.radius) or self.radius <= 0:
-            raise InputError("disk", value=(self.centre, self.radius), expected="a finite centre, a positive radius")
+        real_number(self.centre, "centre")
+        if not real_number(self.radius, "radius") > 0:
+            raise InputError("disk", field="radius", value=self.radius, expected="above 0")
 
     def reach(self, A) -> float:
         """Largest modulus of s + centre over the eigenvalues s of A, 1/s; stacks of matrices give an array.
@@ -66,9 +68,12 @@ class Disk:
 
 @dataclass(frozen=True)
 class HalfPlane:
-    """Half plane Re s < abscissa."""
+    """Half plane Re s < abscissa, 1/s; raises InputError unless that is a finite number."""
 
     abscissa: float = 0.0
+
+    def __post_init__(self) -> None:
+        real_number(self.abscissa, "abscissa")
 
     def reach(self, A) -> float:
         """Largest real part over the eigenvalues of A, 1/s; stacks of matrices give an array."""
@@ -92,11 +97,9 @@ class HalfPlane:
 
 
 def _stack(A) -> np.ndarray:
-    A = np.asarray(A, dtype=float)
+    A = real_array(A, "matrix")
     if A.ndim < 2 or A.shape[-1] != A.shape[-2] or A.shape[-1] == 0:
         raise InputError("matrix", value=A.shape, expected="square matrices")
-    if not np.isfinite(A).all():
-        raise InputError("matrix with entries that are not finite", expected="finite entries")
     return A
 
 

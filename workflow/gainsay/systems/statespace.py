@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gainsay.errors import InputError
+from gainsay.exact.floats import real_array
 
 
 def spectral_abscissa(A) -> float:
@@ -38,14 +39,9 @@ def square(A, name: str = "A") -> np.ndarray:
 
 def finite(M, name: str) -> np.ndarray:
     """Return the matrix as a finite two-dimensional float array, or raise InputError naming it."""
-    try:
-        array = np.asarray(M, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise InputError("not a matrix of real numbers", field=name, expected="a real matrix") from error
+    array = real_array(M, name)
     if array.ndim != 2:
         raise InputError("not a matrix", field=name, value=array.shape, expected="two dimensions")
-    if not np.isfinite(array).all():
-        raise InputError("matrix with entries that are not finite", field=name, expected="finite entries")
     return array
 
 

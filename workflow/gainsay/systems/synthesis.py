@@ -293,7 +293,8 @@ def _regulator(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> tu
     """P and K = -R^-1 (B'P + D'C) of the regulator with cost |C x + D u|^2."""
     R = D.T @ D
     try:
-        P = solve_continuous_are(A, B, C.T @ C, R, s=C.T @ D)
+        # SciPy before 1.17 takes s only together with e
+        P = solve_continuous_are(A, B, C.T @ C, R, e=np.eye(len(A)), s=C.T @ D)
     except (np.linalg.LinAlgError, ValueError) as error:
         raise ComputationError("H2 synthesis", f"Riccati equation: {str(error).splitlines()[0]}") from None
     return P, -np.linalg.solve(R, B.T @ P + D.T @ C)

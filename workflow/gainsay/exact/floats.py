@@ -1,0 +1,46 @@
+"""Doubles from outside: what holds anything but real numbers is refused, not converted."""
+
+from math import isfinite
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from gainsay.errors import InputError
+
+__all__ = ["real_array", "real_number"]
+
+
+def real_array(value: Any, field: str, *, finite: bool = True) -> np.ndarray:
+    """Array of doubles from numbers, fractions or nested lists of them.
+
+    Parameters
+    ----------
+    value : array_like
+    field : str
+        Its name in messages.
+    finite : bool, optional
+        Whether nan and infinite entries are refused too.
+
+    Raises
+    ------
+    InputError
+        If an entry is no real number (numpy would drop imaginary parts and read texts), or rows differ in length.
+    """
+    try:
+        raw = np.asarray(value)
+        if raw.dtype.kind not in "biufO":
+            raise TypeError(raw.dtype)
+        array = raw.astype(float)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError("", field=field, value=type(value).__name__, expected="an array of real numbers") from error
+    if finite and not np.isfinite(array).all():
+        raise InputError("", field=field, value=array.tolist(), expected="finite entries")
+    return array
+
+
+def real_number(value: Any, field: str) -> float:
+    """A finite double from a real number; anything else raises InputError."""
+    if not isinstance(value, Real) or not isfinite(value):
+        raise InputError("", field=field, value=value, expected="a finite number")
+    return float(value)
