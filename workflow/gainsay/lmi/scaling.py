@@ -16,7 +16,6 @@ from gainsay.lmi.affine import Variable
 from gainsay.lmi.program import Program
 from gainsay.lmi.rounding import power_of_two
 
-
 # a coefficient of a proof and its inverse are below this: products of two are far from the ends of double precision
 _FARTHEST = 2.0**450
 

@@ -13,7 +13,6 @@ from gainsay.lmi.outcomes import Infeasible, Outcome, Solved, Undecided
 from gainsay.lmi.program import Program
 from gainsay.lmi.solving import solve
 
-
 # part of the distance of two ends below which a value counts as zero: halving would go on to the smallest double
 _NOTHING = 1e-9
 
