@@ -79,22 +79,28 @@ def torque_output(gains, delta_m: float) -> np.ndarray:
     return (1 + delta_m) * np.hstack([np.zeros((3, 6)), gains.C])
 
 
-def norm_evidence(case, gains, delta_m: float) -> tuple[np.ndarray, np.ndarray]:
-    """P and multipliers of the norm condition at the paper's gamma, from scalings and a Riccati equation."""
-    form = robust.loop(plant.constants(case), gains, delta_m).balanced()
+def norm_evidence(case, form: robust.Loop) -> tuple[np.ndarray, np.ndarray]:
+    """P and multipliers of the norm condition at the paper's gamma, from scalings and a Riccati equation.
+
+    Both in the coordinates of the loop, which is to be balanced.
+    """
     gamma = case.number("gamma") * 0.9995
     value, logs = robust.norm_scaling(form, gamma)
     if value >= 1:
-        raise ComputationError("norm", f"scaled norm {value:.4f} at delta_m {delta_m}, below 1 expected")
-    P, d = robust.norm_riccati(form, logs, gamma)
-    return back(form, P, d)
+        raise ComputationError("norm", f"scaled norm {value:.4f}, below 1 expected")
+    return robust.norm_riccati(form, logs, gamma)
 
 
-def torque_evidence(case, gains, delta_m: float) -> tuple[tuple[np.ndarray, np.ndarray], float]:
-    """P and multipliers of the torque condition, and the bound on the torque that they give, N m."""
-    form = robust.prepared(robust.loop(plant.constants(case), gains, delta_m), case.number("gamma") * 0.9995)
-    start = np.linalg.solve(form.T, start_state(case))
-    found = solve(robust.torque_program(form, torque_output(gains, delta_m) @ form.T, start))
+def torque_evidence(case, gains, delta_m: float, form: robust.Loop) -> tuple[tuple[np.ndarray, np.ndarray], float]:
+    """P and multipliers of the torque condition, and the bound on the torque that they give, N m.
+
+    The loop in coordinates in which a solution of the norm condition is the identity (`Loop.rescaled`): a multiple of
+    it tells the sizes, so that one round of the solver is enough; any point below u_max will do.
+    """
+    start, output = np.linalg.solve(form.T, start_state(case)), torque_output(gains, delta_m) @ form.T
+    size = float(np.linalg.norm(output, 2) ** 2)
+    near = {"P": size * np.eye(12), **{f"d{i}": size for i in range(robust.MULTIPLIERS)}}
+    found = solve(robust.torque_program(form, output, start), near=near, rounds=1)
     if not isinstance(found, Solved):
         raise found.error if hasattr(found, "error") else ComputationError("torque", "no Lyapunov matrix")
     return robust.original(form, found.values), float(np.sqrt(found.objective))
@@ -122,10 +128,11 @@ def gather(case, gains, delta_m: float, one_matrix: bool = False) -> Evidence:
         moved = (plant.closed_loop(plant.rigid(plant.constants(case)), gains) + a * np.eye(12)) / b
         P = solve_discrete_lyapunov(moved.T, np.eye(12))
         scales = np.array([back(form, P, np.exp(2 * x))[1] for x in logs])
-    torque, bound = torque_evidence(case, gains, delta_m)
+    norm = norm_evidence(case, form)
+    torque, bound = torque_evidence(case, gains, delta_m, form.rescaled(*norm))
     if bound >= case.number("u_max"):
         raise ComputationError("torque", f"bound {bound:.4f} N m at delta_m {delta_m}, u_max expected")
-    return Evidence(delta_m, ends, P, scales, norm_evidence(case, gains, delta_m), torque)
+    return Evidence(delta_m, ends, P, scales, back(form, *norm), torque)
 
 
 def _witness(part: str, P: np.ndarray, multipliers: np.ndarray) -> dict:

@@ -183,10 +183,11 @@ def theorem1_frame(model: Model, s: SimpleNamespace, label: str, S: Affine, Y: A
 
 
 def theorem1_necessary(model: Model, s: SimpleNamespace, divided: bool) -> Program:
-    """What (13) implies of X = S^-1, Y = S - N, Fb, Ch = C_f S^-1 and one free block: all its rows but F1_out.
+    """What (13) implies of X = S^-1, Y = S - N, Fb, Ch = C_f S^-1 and one free block, by the rows named below.
 
     Rows 1a and 5a are multiplied by X, which makes the entry (1a, 5b) an unknown of its own, Ah'; so the condition is
-    linear, and its infeasibility proves that of (13), nonlinear as that is.
+    linear, and its infeasibility proves that of (13), nonlinear as that is. C'C in (1,1) is its Schur complement, the
+    row "output". The rows left out, and with them gamma, eps1 and delta_m, are not needed to refute it.
 
     Parameters
     ----------
@@ -196,32 +197,17 @@ def theorem1_necessary(model: Model, s: SimpleNamespace, divided: bool) -> Progr
     divided : bool
         As in `theorem2`.
     """
-    A, B, C, E, W, a, lam = model.A, model.B, model.C, model.E, model.W, model.a, s.lam
+    A, B, C, E, a, lam = model.A, model.B, model.C, model.E, model.a, s.lam
     X, Y, Ch, Fb, Ah = symmetric("X", 6), symmetric("Y", 6), matrix("Ch", 3, 6), matrix("Fb", 6, 3), matrix("Ah", 6, 6)
     ratio = model.b**2 / a
-    ends = ("F1_in", "F2_in", "F3_in", "F2_out", "F3_out")
-    F = BlockMatrix("(13)", "1a", "1b", "2", "3", "4", "5a", "5b", "output", "H_in", "H_out", *ends)
+    F = BlockMatrix("(13)", "1a", "1b", "2", "5a", "5b", "output", "F3_in")
     F["1a", "1a"], F["1a", "1b"], F["1b", "1b"] = -ratio * X, -ratio * EYE6, -ratio * Y
     F["1a", "output"], F["1b", "output"], F["output", "output"] = X @ C.T, C.T, -EYE3
-    F["1a", "2"], F["1b", "2"] = -E, -(Y @ E)
-    F["1a", "3"], F["1b", "3"] = B, Y @ B
-    F["1a", "4"], F["1b", "4"] = lam * (W @ (A @ X + B @ Ch)).T, lam * (W @ A).T
+    F["1a", "2"], F["1b", "2"], F["2", "2"] = -E, -(Y @ E), -(lam**2) * EYE3
     F["1a", "5a"], F["1a", "5b"] = (A @ X + B @ Ch + a * X).T, Ah.T
     F["1b", "5a"], F["1b", "5b"] = (A + a * EYE6).T, (A + a * EYE6).T @ Y + C.T @ Fb.T
-    F["2", "2"], F["2", "4"] = -(lam**2) * EYE3, -lam * (W @ E).T
-    F["3", "3"], F["3", "4"], F["4", "4"] = -(s.gamma**2) * EYE3, lam * (W @ B).T, -EYE3
     F["5a", "5a"], F["5a", "5b"], F["5b", "5b"] = -a * X, -a * EYE6, -a * Y
-    F["1a", "H_in"], F["1b", "H_in"] = s.eps1 * (X @ model.K.T), s.eps1 * model.K.T
-    F["4", "H_out"], F["5a", "H_out"], F["5b", "H_out"] = lam * W @ model.L, model.L, Y @ model.L
-    F["H_in", "H_in"] = F["H_out", "H_out"] = -s.eps1 * np.eye(12)
-    first, second = (1, s.eps2) if divided else (s.eps2, 1)
-    F["1a", "F1_in"], F["1a", "F2_in"], F["1a", "F3_in"] = first * X, first * (X @ C.T), first * Ch.T
-    F["1b", "F2_in"] = first * C.T
-    F["5b", "F2_out"] = second * s.delta_m * Fb
-    F["4", "F3_out"] = second * lam * s.delta_m * W @ B
-    F["5a", "F3_out"], F["5b", "F3_out"] = second * s.delta_m * B, second * s.delta_m * (Y @ B)
-    for name in ends:
-        F[name, name] = -s.eps2 * np.eye(6 if name == "F1_in" else 3)
+    F["1a", "F3_in"], F["F3_in", "F3_in"] = (1 if divided else s.eps2) * Ch.T, -s.eps2 * EYE3
     return Program(subject_to=[F < 0], label="(13)")
 
 

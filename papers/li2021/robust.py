@@ -13,7 +13,7 @@ from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 from scipy.optimize import minimize
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import BlockMatrix, Program, affine, equal, positive, scalar, symmetric, trace
+from gainsay.lmi import BlockMatrix, Program, affine, positive, symmetric
 from papers.li2021 import plant
 
 CHANNELS = 27
@@ -202,53 +202,6 @@ def norm_riccati(form: Loop, log_scale: np.ndarray, gamma: float) -> tuple[np.nd
     if found is not None:
         return found, d
     raise ComputationError("norm", f"no solution of the Riccati equation at gamma {gamma}")
-
-
-def prepared(form: Loop, gamma: float) -> Loop:
-    """The balanced loop in coordinates fit for the norm and torque programs, from scalings that do for gamma."""
-    form = form.balanced()
-    _, log_scale = norm_scaling(form, gamma)
-    return form.rescaled(*norm_riccati(form, log_scale, gamma))
-
-
-def disk_program(form: Loop, a: float, b: float, level: bool = False) -> Program:
-    """One P and D for the disk: [A+aI H]'P[A+aI H] - b^2 diag(P, 0) + [Cz Dw]'D[Cz Dw] - diag(0, D) < 0.
-
-    With ``level`` the left side is pushed below -t I, P of trace 12, and t is maximised: its sign tells feasibility.
-    """
-    P, (_, D) = symmetric("P", 12), _multipliers()
-    V = np.hstack([form.A + a * np.eye(12), form.H])
-    Z = np.hstack([form.Cz, form.Dw])
-    whole = V.T @ P @ V + Z.T @ D @ Z
-    F = BlockMatrix("disk", "state", "channel")
-    F["state", "state"] = whole[:12, :12] - b * b * P
-    F["state", "channel"] = whole[:12, 12:]
-    F["channel", "channel"] = whole[12:, 12:] - D
-    positive_P = (P > 0).named("P > 0")
-    if level:
-        t = scalar("t")
-        F["state", "state"] = F["state", "state"] + t * np.eye(12)
-        F["channel", "channel"] = F["channel", "channel"] + t * np.eye(CHANNELS)
-        return Program(minimise=-t, subject_to=[F < 0, positive_P, equal(trace(P), 12, "trace")], label="disk level")
-    return Program(subject_to=[F < 0, positive_P], label="disk")
-
-
-def norm_program(form: Loop, gamma: float | None = None) -> Program:
-    """Norm from d~ to y below gamma (its square is minimised where gamma is None), for all time-varying Delta."""
-    P, (_, D) = symmetric("P", 12), _multipliers()
-    square = scalar("g2") if gamma is None else affine(np.array([[gamma**2]]))
-    V = np.hstack([form.A, form.H, form.B])
-    Z = np.hstack([form.Cz, form.Dw, form.Dd])
-    top = P @ V
-    whole = Z.T @ D @ Z
-    F = BlockMatrix("norm", "state", "channel", "disturbance")
-    F["state", "state"] = top[:, :12] + top[:, :12].T + whole[:12, :12] + form.C.T @ form.C
-    F["state", "channel"] = top[:, 12:39] + whole[:12, 12:39]
-    F["state", "disturbance"] = top[:, 39:] + whole[:12, 39:]
-    F["channel", "channel"] = whole[12:39, 12:39] - D
-    F["channel", "disturbance"] = whole[12:39, 39:]
-    F["disturbance", "disturbance"] = whole[39:, 39:] - square * np.eye(3)
-    return Program(minimise=square if gamma is None else None, subject_to=[F < 0, (P > 0).named("P > 0")], label="norm")
 
 
 def torque_program(form: Loop, output: np.ndarray, start: np.ndarray) -> Program:

@@ -1,10 +1,12 @@
 """Synthesis of li2021: what its conditions can and cannot do, and controllers certified for what it promised."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from scipy.linalg import block_diag, solve_continuous_lyapunov
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Infimum, Solved, infimum, solve
+from gainsay.lmi import Program, Solved, infimum, solve
 from gainsay.proof import build
 from gainsay.systems.norms import hinf_norm
 from gainsay.tables import Case
@@ -13,12 +15,11 @@ from gainsay.tables.results import Results, task
 from papers.li2021 import certify, equivalence, identities, lmis, plant, proofs
 
 
-def enclosed(program, where: str) -> Infimum:
-    """Infimum of a program that must have one."""
-    found = infimum(program)
-    if not isinstance(found, Infimum):
-        raise getattr(found, "error", None) or ComputationError(where, "infeasible", found.attempts)
-    return found
+def refutation(program: Program, where: str, results: Results) -> Mapping[str, np.ndarray]:
+    """Farkas multipliers of a program that must have no point, by label of the constraint."""
+    found = infimum(lmis.pushed(program), margins=(1e-7,)).need(where)
+    results.attempt(where, list(found.attempts))
+    return {label: z for label, z in found.multipliers.items() if label != "t < 1"}
 
 
 @task("Section II.B, factors")
@@ -112,9 +113,8 @@ def theorem1(case: Case, results: Results) -> None:
     """Theorem 1 at Table 1's scalars, in both readings of eps2."""
     model, scalars = lmis.Model.of(case), lmis.table1(case)
     for divided, quantity in ((False, "eq13.feasible"), (True, "eq13.feasible_divided")):
-        found = enclosed(lmis.pushed(lmis.theorem1_necessary(model, scalars, divided)), "(13)")
-        results.attempt("(13)", list(found.attempts))
-        results.certificate(proofs.theorem1(case, found.multipliers["(13)"], divided))
+        multipliers = refutation(lmis.theorem1_necessary(model, scalars, divided), "(13)", results)
+        results.certificate(proofs.theorem1(case, multipliers["(13)"], divided))
         results.quantity(quantity, 0, method="Farkas multipliers of a linear consequence", source="(13), Table 1")
     results.say("(13)", "infeasible at Table 1's scalars in both readings of eps2")
 
@@ -138,9 +138,8 @@ def not_equivalent(case: Case, results: Results) -> None:
 def lemma4(case: Case, results: Results) -> None:
     """(19) with the printed C_f against (12) at lambda = 1."""
     model, scalars = lmis.Model.of(case), lmis.table1(case)
-    found = enclosed(lmis.pushed(lmis.lemma4_against_lemma3(model, case.matrix("Cf"), scalars)), "(19)")
-    kept = {label: z for label, z in found.multipliers.items() if label != "t < 1"}
-    results.certificate(proofs.lemma4_against_lemma3(case, kept))
+    program = lmis.lemma4_against_lemma3(model, case.matrix("Cf"), scalars)
+    results.certificate(proofs.lemma4_against_lemma3(case, refutation(program, "(19)", results)))
     results.quantity("eq19.feasible_with_eq12", 0, method="Farkas multipliers of the rows of the rates",
                      source="(12), (19)")  # fmt: skip
     results.say("(19) with (12)", "exclude each other for the printed C_f, Farkas certificate checked")
@@ -150,7 +149,7 @@ def least_gamma(case: Case, results: Results, lam: str, uncertain: bool, quantit
     """Least gamma of (12) over all gains, with a certificate on each side."""
     model = lmis.Model.of(case)
     eps1 = case.number("eps1") if uncertain else None
-    found = enclosed(lmis.lemma3_synthesis(model, float(lam), eps1=eps1), "(12)")
+    found = infimum(lmis.lemma3_synthesis(model, float(lam), eps1=eps1)).need("(12)")
     results.attempt("(12)", list(found.attempts))
     square = f"{quantity}_squared"
     results.certificate(proofs.lemma3_point(
@@ -184,10 +183,10 @@ def lambda_band(case: Case, results: Results) -> None:
         if not isinstance(found, Solved):
             raise ComputationError("(12)", f"no point at lambda = {inside}", found.attempts)
         results.certificate(proofs.lemma3_feasible(case, f"eq12-lambda-{end}", found.values, repr(inside), end))
-        beyond = enclosed(lmis.pushed(lmis.lemma3_synthesis(model, outside, gamma)), "(12)")
+        beyond = refutation(lmis.lemma3_synthesis(model, outside, gamma), "(12)", results)
         quantity = f"lemma3.feasible_beyond_{end}"
         results.certificate(proofs.lemma3_infeasible(
-            case, f"eq12-lambda-beyond-{end}", beyond.multipliers["(12)"], repr(outside), quantity))  # fmt: skip
+            case, f"eq12-lambda-beyond-{end}", beyond["(12)"], repr(outside), quantity))  # fmt: skip
         results.quantity(quantity, 0, method=f"Farkas multipliers at lambda = {outside}", source="(12)")
         results.quantity(f"lemma3.lambda_{end}", float(np.sqrt(inside * outside)), lower=min(inside, outside),
                          upper=max(inside, outside), method="a point on one side, Farkas multipliers on the other",
@@ -205,11 +204,11 @@ def printed_gains(case: Case, results: Results) -> None:
     loop = plant.closed_loop(plant.rigid(plant.constants(case)), gains)
     T = np.linalg.cholesky(solve_continuous_lyapunov(loop, -np.eye(12)))
     inverse = np.linalg.inv(T)
-    failing = enclosed(lmis.pushed(lmis.lemma3_analysis(model, gains, case.number("lambda"), T, np.inf)), "(12)")
+    failing = refutation(lmis.lemma3_analysis(model, gains, case.number("lambda"), T, np.inf), "(12)", results)
     scale = block_diag(T, np.eye(9), T)
-    results.certificate(proofs.printed_gains_fail(case, scale @ failing.multipliers["(12)"] @ scale.T))
+    results.certificate(proofs.printed_gains_fail(case, scale @ failing["(12)"] @ scale.T))
     results.quantity("eq12.printed_feasible", 0, method="Farkas multipliers, gamma left out", source="(12)")
-    found = enclosed(lmis.lemma3_analysis(model, gains, case.number("lambda_pass"), T), "(12)")
+    found = infimum(lmis.lemma3_analysis(model, gains, case.number("lambda_pass"), T)).need("(12)")
     values, scale = found.solved.values, block_diag(T, np.eye(12), T)
     results.certificate(proofs.printed_gains_pass(case, inverse.T @ values["P"] @ inverse, float(values["g2"])))
     results.certificate(proofs.printed_gains_bound(case, scale @ found.multipliers["(12)"] @ scale.T))

@@ -124,7 +124,8 @@ def test_shared_scaling_bounds_the_pointwise_one(case, gains):
 
 def test_original_coordinates(case, gains):
     # identity: the norm condition holds in the paper's own coordinates as in the balanced ones
-    P, d = certify.norm_evidence(case, gains, 0.05)
+    balanced = form_at(case, gains, 0.05)
+    P, d = certify.back(balanced, *certify.norm_evidence(case, balanced))
     form = robust.loop(plant.constants(case), gains, 0.05)
     D = np.diag(d[robust.OF_CHANNEL])
     V, Z = np.hstack([form.A, form.H, form.B]), np.hstack([form.Cz, form.Dw, form.Dd])

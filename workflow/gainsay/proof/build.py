@@ -47,6 +47,8 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
     draft = draft.changed(
         definitions=tuple((name, _one_line(text)) for name, text in draft.definitions), fields=_one_line(draft.fields)
     )
+    # the proof is made of what a file of it would hold, once
+    draft = Certificate.from_json(draft.to_json(), draft.id)
     found, data = checker.proved(draft, tables)
     conclusions = list(draft.conclusions)
     for of, quantity in (quantities or {}).items():
@@ -62,7 +64,7 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
     done = Certificate.from_json(
         draft.changed(data=data, conclusions=tuple(dict.fromkeys(conclusions))).to_json(), draft.id
     )
-    checker.check(done, tables)
+    checker.concluded(done, tables, found, data)
     _accepted.add((done.paper, done.to_json()))
     return done
 

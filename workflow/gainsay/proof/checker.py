@@ -192,7 +192,14 @@ def check(certificate: Certificate, tables: Any) -> Proof:
         ) from error
 
 
-def _check(certificate: Certificate, tables: Any) -> Proof:
+def concluded(certificate: Certificate, tables: Any, found: Sequence[Proved], read: dict[str, Any]) -> Proof:
+    """What follows from what `proved` has just found and read of the same certificate: it is not proved twice."""
+    return _check(certificate, tables, (found, read))
+
+
+def _check(
+    certificate: Certificate, tables: Any, known: tuple[Sequence[Proved], dict[str, Any]] | None = None
+) -> Proof:
     owner = certificate.id
     paper = getattr(tables, "name", certificate.paper)
     if paper != certificate.paper:
@@ -201,8 +208,10 @@ def _check(certificate: Certificate, tables: Any) -> Proof:
         )
     if not certificate.conclusions:
         raise CertificateError(f"{owner}: a certificate without a conclusion proves nothing")
-    _same_data(certificate, tables)
-    found, read = proved(certificate, tables)
+    if known is None:
+        _same_data(certificate, tables)
+        known = proved(certificate, tables)
+    found, read = known
     _complete(dict(certificate.data), read, owner)
     reader = adapted(tables)
     for conclusion in certificate.conclusions:
