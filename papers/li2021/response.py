@@ -84,7 +84,9 @@ class FlexibleLoop:
         return solution.largest(self.torque_size)
 
 
-def redrawn(loop: FlexibleLoop, hold: str, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def redrawn(
+    loop: FlexibleLoop, hold: str, generator: np.random.Generator, *, node: float = 1.0
+) -> tuple[np.ndarray, np.ndarray]:
     """Solution with twelve factors 1 + U(0, 1), drawn once or redrawn every `hold` seconds and held.
 
     Parameters
@@ -93,11 +95,12 @@ def redrawn(loop: FlexibleLoop, hold: str, generator: np.random.Generator) -> tu
     hold : str
         ``constant``, or the length of an interval in seconds.
     generator : numpy.random.Generator
+    node : float
+        Largest distance of the times that are returned, s; the solution at them is exact whatever it is.
 
     Returns
     -------
     times, states : ndarray
-        Nodes at most one second apart.
     """
     horizon = loop.case.number("horizon")
     interval = horizon if hold == "constant" else float(hold)
@@ -106,4 +109,4 @@ def redrawn(loop: FlexibleLoop, hold: str, generator: np.random.Generator) -> tu
     factors = 1 + generator.random((count, 12))
     stack = np.repeat(loop.nominal[None], count, axis=0)
     stack[:, :20, :20] = plant.closed_loop(loop.plant, loop.gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
-    return held(stack, interval, loop.start(), inner=max(1, round(interval)))
+    return held(stack, interval, loop.start(), inner=max(1, round(interval / node)))

@@ -35,6 +35,8 @@ STEPS = 40
 #: samples of the log: dense in the transient, then sparse, s
 DENSE_END, DENSE, SPARSE = 60.0, 0.025, 0.25
 WINDOW = 100.0
+#: distance of the samples of the runs under random gains, s
+NODE = 0.1
 #: an angle has settled once it stays below this part of the largest one at the start
 SETTLED = 0.05
 
@@ -110,8 +112,8 @@ def record(
     case: Case, loop: FlexibleLoop, time: np.ndarray, states: np.ndarray, torque: np.ndarray, log: LogWriter
 ) -> None:
     """Write signals and the three-dimensional scene."""
-    log.signal("/attitude/angles", ANGLE_FIELDS, time, states[:, ANGLES])
-    log.signal("/attitude/rates", dict.fromkeys(ANGLE_FIELDS, "rad/s"), time, states[:, RATES])
+    log.signal("/attitude/angles", ANGLE_FIELDS, time, states[:, ANGLES], shown="deg")
+    log.signal("/attitude/rates", dict.fromkeys(ANGLE_FIELDS, "rad/s"), time, states[:, RATES], shown="deg/s")
     log.signal("/wheels/torque", dict.fromkeys(AXES, "N m"), time, torque)
     log.signal("/wheels/torque_size", {"size": "N m"}, time, np.linalg.norm(torque, axis=1)[:, None])
     log.signal("/modes/coordinates", MODE_FIELDS, time, states[:, MODES])
@@ -122,9 +124,10 @@ def record(
         Appendage(root=(0.0, 0.3, 0.0), along=(0.0, 1.0, 0.0), tip=(1.0, 0.0, 1.0, 0.0), **panel),
         Appendage(root=(0.0, -0.3, 0.0), along=(0.0, -1.0, 0.0), tip=(0.0, 1.0, 0.0, 1.0), **panel),
     )), time=time, modal=states[:, MODES])  # fmt: skip
-    log.arrows("torque", "body", time, torque, 4.0, "thrust")
-    log.axes("lvlh", 1.2)
-    log.axes("body", 0.9, labels=("roll", "pitch", "yaw"))
+    # The largest torque of the run is drawn 1 m long.
+    log.arrows("torque", "body", time, torque, 1.0 / max(np.linalg.norm(torque, axis=1).max(), 1e-12), "thrust")
+    log.axes("lvlh", 1.5, name="LVLH")
+    log.axes("body", 1.0, labels=("roll", "pitch", "yaw"))
 
 
 def periodic(name: str) -> Callable[..., None]:
@@ -137,9 +140,9 @@ def periodic(name: str) -> Callable[..., None]:
         record(case, loop, time, states, loop.torque(time, states), log)
         log.signal("/controller/variation", {"delta": "1"}, time, loop.variation(time)[:, None])
         again = extremes(loop, second)
+        limits = {"peak_torque": case.number("u_max")}
         for key, (instant, value, unit) in extremes(loop, solution).items():
-            log.extreme(key, instant, value, unit)
-            log.summary(f"second_{key}", again[key][1], unit)
+            log.extreme(key, instant, value, unit, second=again[key][1], limit=limits.get(key))
         log.event(0.0, "start", "angles and rates of Table 1; controller and appendages at rest")
 
     return simulate
@@ -150,7 +153,7 @@ def drawn(name: str, hold: str) -> Callable[..., None]:
 
     def simulate(case: Case, designs: Mapping, log: LogWriter) -> None:
         loop = FlexibleLoop(case, gains_of(case, designs, name), amplitude=0.0)
-        time, states = response.redrawn(loop, hold, np.random.default_rng((int(case.number("seed")), 0)))
+        time, states = response.redrawn(loop, hold, np.random.default_rng((int(case.number("seed")), 0)), node=NODE)
         stay = np.abs(states[:, ANGLES]).max(axis=1) < 10.0
         end = len(stay) if stay.all() else int(np.argmin(stay))
         if end < 3:
@@ -173,7 +176,7 @@ def measure(prefix: str, wanted: Mapping[str, str]) -> Callable[[Case, Log], dic
     def measured(case: Case, log: Log) -> dict[str, Measured]:
         found = {}
         for key, quantity in wanted.items():
-            value, other = log.extremes[key][1], log.summaries[f"second_{key}"]
+            _, value, other = log.extremes[key]
             band = 2 * abs(value - other)
             method = f"Magnus maps, {STEPS} steps a period, continuous time; band: twice the change at half the step"
             found[f"{prefix}.{quantity}"] = Measured(value, method, value - band, value + band)
@@ -225,7 +228,7 @@ none), and the control torque as an arrow.
 
 - **Angles and rates** (Figures 4 and 5): within a minute they come down to a small offset held by the constant part
   of the disturbance.
-- **Torque** (Figure 6) with the bound u_max = 2 N m, dashed.
+- **Torque** (Figure 6) and its norm with the bound u_max = 2 N m. The longest arrow is the run's largest torque.
 - **Modal coordinates** (Figure 7): lightly damped, outside the disk that the reduced model keeps.
 - Runs named `_constant`, `_slow`, `_fast` draw the twelve gain factors from 1 + U(0, 1), once, every second or every
   0.1 s: the paper does not say which its Figures 8 and 9 mean.
@@ -236,23 +239,39 @@ def _three(topic: str, fields) -> tuple[Line, ...]:
     return tuple(Line(topic, field, field, f"axis_{i}") for i, field in enumerate(fields, start=1))
 
 
+#: what is shown at first: the transient, s
+_SHOWN = 60.0
+LOOK = {
+    "": "Look at: the angles while the gains are redrawn; what comes after the first minute is under Whole run.",
+    "proposed": "Look at: angles and rates within the first minute, and the norm of the torque against u_max.",
+    "comparison": "Look at: angles and rates within the first minute; compare with `proposed`.",
+    "repaired": "Look at: torque and time to settle; compare with `proposed`.",
+    "best": "Look at: torque and time to settle; compare with `proposed`.",
+}
+
 LAYOUT = Layout("li2021", (
     Tab("Attitude", Columns(
         Scene("Body axes against LVLH", "lvlh", elements=("satellite", "torque"), axes=("lvlh", "body"),
-              eye=(4.0, 3.0, 2.0)),
+              direction=(4.0, 3.0, 2.0)),
         Rows(
-            Plot("Euler angles [rad]", _three("/attitude/angles", ANGLE_FIELDS)),
-            Plot("Euler rates [rad/s]", _three("/attitude/rates", ANGLE_FIELDS)),
-            Plot("Control torque [N m]", _three("/wheels/torque", AXES), bounds=(Bound("torque", "u_max"),)),
+            Plot("Euler angles [deg]", _three("/attitude/angles_deg", ANGLE_FIELDS), until=_SHOWN),
+            Plot("Euler rates [deg/s]", _three("/attitude/rates_deg_s", ANGLE_FIELDS), until=_SHOWN),
+            Plot("Control torque [N m]", _three("/wheels/torque", AXES), until=_SHOWN),
+            Plot("Norm of the torque [N m]", (Line("/wheels/torque_size", "size", "norm", "magnitude"),),
+                 bounds=(Bound("torque", "u_max", sides=("upper",)),), until=_SHOWN),
         ),
         shares=(1, 1))),
     Tab("Appendages", Rows(
+        Plot("Modal coordinates, first minute [kg^0.5 m]", _three("/modes/coordinates", MODE_FIELDS), until=_SHOWN),
         Plot("Modal coordinates [kg^0.5 m]", _three("/modes/coordinates", MODE_FIELDS)),
-        Plot("Norm of the torque [N m]", (Line("/wheels/torque_size", "size", "norm", "magnitude"),),
-             bounds=(Bound("torque", "u_max"),)),
+    )),
+    Tab("Whole run", Rows(
+        Plot("Euler angles, whole run [deg]", _three("/attitude/angles_deg", ANGLE_FIELDS)),
+        Plot("Control torque, whole run [N m]", _three("/wheels/torque", AXES)),
     )),
     Tab("Gain variation", Rows(
-        Plot("Common gain variation [1]", (Line("/controller/variation", "delta", "delta", "perturbed"),)),
+        Plot("Common gain variation [1]", until=_SHOWN,
+             lines=(Line("/controller/variation", "delta", "delta", "perturbed"),)),
     ), runs=PERIODIC),
     Tab("About", Columns(Text("About", ABOUT), EventLog())),
-))  # fmt: skip
+), look=LOOK)  # fmt: skip

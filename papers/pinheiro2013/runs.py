@@ -41,9 +41,9 @@ def _log(log: LogWriter, where: str, time: np.ndarray, states: np.ndarray, K: np
     torque = -states @ K.T
     if limit is not None:
         torque = np.clip(torque, -limit, limit)
-    log.signal(f"/{where}/angles", ANGLES, time, states[:, :3])
+    log.signal(f"/{where}/angles", ANGLES, time, states[:, :3], shown="deg")
     log.signal(f"/{where}/rates", RATES, time, states[:, 3:])
-    log.signal(f"/{where}/torque", TORQUES, time, torque)
+    log.signal(f"/{where}/torque", TORQUES, time, torque, shown="mN m")
 
 
 def _plants(case, satellite: Satellite) -> list[list[Satellite]]:
@@ -57,9 +57,8 @@ def _second(A: np.ndarray, start: np.ndarray, end: float, output: np.ndarray) ->
     return largest(trajectory, lambda t, x: np.abs(x @ output))[1]
 
 
-def _extreme(log: LogWriter, name: str, time: float, value: float, second: float, unit: str) -> None:
-    log.extreme(name, time, abs(value), unit)
-    log.summary(f"second_{name}", second, unit)
+def _extreme(log: LogWriter, name: str, time: float, value: float, second: float, unit: str, limit=None) -> None:
+    log.extreme(name, time, abs(value), unit, second=second, limit=limit)
 
 
 def release(reconstructed: str, design: str):
@@ -77,7 +76,8 @@ def release(reconstructed: str, design: str):
             angle, torque = np.eye(6)[i], -K[i]
             for what, output, unit in (("angle", angle, "rad"), ("torque", torque, "N m")):
                 peak = nominal.peak(output)
-                _extreme(log, f"peak_{what}_{name}", peak.time, peak.value, _second(A, start, end, output), unit)
+                second, wheel = _second(A, start, end, output), limit if what == "torque" else None
+                _extreme(log, f"peak_{what}_{name}", peak.time, peak.value, second, unit, wheel)
             settled = nominal.last_above(angle, responses.SETTLED * abs(nominal.peak(angle).value))
             log.extreme(f"settling_{name}", settled, settled, "s")
             for k in (0, 1):
@@ -108,7 +108,7 @@ def release(reconstructed: str, design: str):
                 whole = responses.angle_rates(found(nominal.time), satellite.n)
                 states[:, [i, i + 3]] = whole[:, [i, i + 3]]
             _log(log, f"nonlinear_plant_{k + 1}", nominal.time, states, K)
-        log.bound("wheel_torque", "N m", lower=-limit, upper=limit)
+        log.bound("wheel_torque", "mN m", lower=-1e3 * limit, upper=1e3 * limit)
         _scene(log, nominal.time, nominal.states, -nominal.states @ K.T)
 
     return simulate
@@ -126,7 +126,11 @@ def disturbed(reconstructed: str, design: str):
         shown = time % 5 == 0
         _log(log, "nominal", time[shown], states[shown], K)
         log.signal(
-            "/disturbance/torque", {"each_axis": "N m"}, time[shown], torque.torque(time[shown], satellite.n)[:, None]
+            "/disturbance/torque",
+            {"each_axis": "N m"},
+            time[shown],
+            torque.torque(time[shown], satellite.n)[:, None],
+            shown="mN m",
         )
         for i, name in enumerate(NAMES):
             for what, output, unit in (("angle", np.eye(6)[i], "rad"), ("torque", -K[i], "N m")):
@@ -150,8 +154,8 @@ def _scene(log: LogWriter, time, states, torque) -> None:
     log.transform("lvlh", "body", time[keep], np.zeros((len(keep), 3)), rotation)
     log.body("satellite", "body", Body((0.6, 0.6, 0.6)))
     log.arrows("torque", "body", time[keep], torque[keep], 0.8 / max(np.abs(torque).max(), 1e-12), "thrust")
-    log.axes("lvlh", 1.1, labels=("velocity", "against orbit normal", "Earth"))
-    log.axes("body", 0.8)
+    log.axes("lvlh", 1.1, labels=("velocity", "against orbit normal", "Earth"), name="LVLH")
+    log.axes("body", 0.8, labels=("roll", "pitch", "yaw"))
     log.summary("drawn_angle_factor", factor, "1")
 
 
@@ -163,8 +167,8 @@ def _quaternion(angles: np.ndarray) -> np.ndarray:
 
 
 def _measured(log: Log, name: str) -> Measured:
-    _, value = log.extremes[name]
-    band = abs(value - log.summaries[f"second_{name}"]) + ROUNDING * abs(value)
+    _, value, second = log.extremes[name]
+    band = abs(value - second) + ROUNDING * abs(value)
     return Measured(
         value, "matrix exponential, extreme located; band: an adaptive integrator", value - band, value + band
     )
@@ -186,7 +190,7 @@ def measure_release(reconstructed: str, design: str):
                 worst.lower / angle.upper, worst.upper / angle.lower,
             )  # fmt: skip
             found[f"{prefix}.settling.{name}"] = Measured(
-                log.extremes[f"settling_{name}"][1], f"last time above {responses.SETTLED:.0%} of the peak, located"
+                log.extremes[f"settling_{name}"].value, f"last time above {responses.SETTLED:.0%} of the peak, located"
             )
             for where in ("nonlinear", "nonlinear_limited"):
                 apart = log[f"/{where}/angles"].column(name) - log["/nominal/angles"].column(name)
@@ -239,9 +243,9 @@ def _lines(where: str, kind: str, fields, suffix: str = "", label: str = "") -> 
 
 def _compared(field: str) -> tuple[Line, ...]:
     return (
-        Line("/nominal/angles", field, "nominal", "nominal"),
-        Line("/plant_1/angles", field, "plant 1", "perturbed"),
-        Line("/plant_2/angles", field, "plant 2", "comparison"),
+        Line("/nominal/angles_deg", field, "nominal", "nominal"),
+        Line("/plant_1/angles_deg", field, "plant 1", "perturbed"),
+        Line("/plant_2/angles_deg", field, "plant 2", "comparison"),
     )
 
 
@@ -249,8 +253,8 @@ ABOUT = """# Microsatellite attitude, Pinheiro and Gadelha de Souza 2013
 
 Small angles from the LVLH frame (third axis down). Control u = -K x with K from the mixed H2/H-infinity LMIs (21),
 their sign corrected. **Release**: every axis starts at 0.6 deg/s, as (24) is read; plants 1 and 2 change the moments of
-inertia by 10 % as lists (i) and (ii) say; dashed lines are the wheel's 0.15 N m. **Disturbed**: the torques (25) act on
-every axis from rest. The moments of inertia are not in the paper: reconstruction A or B stands in for them.
+inertia by 10 % as lists (i) and (ii) say; the bound is the wheel's 0.15 N m on each axis. **Disturbed**: the torques
+(25) act on every axis from rest. The moments of inertia are not in the paper: reconstruction A or B stands in for them.
 
 Bears on: what Figures 6 to 14 say of gamma = 0.2, 2 and 100. Angles in the picture are drawn larger than they are
 (`drawn_angle_factor`).
@@ -258,26 +262,45 @@ Bears on: what Figures 6 to 14 say of gamma = 0.2, 2 and 100. Angles in the pict
 
 _SCENE = Scene(
     "Body axes against LVLH, angles drawn larger", "lvlh",
-    elements=("satellite", "torque"), axes=("lvlh", "body"), eye=(2.6, 2.0, 1.4),
+    elements=("satellite", "torque"), axes=("lvlh", "body"), direction=(2.6, 2.0, 1.4),
 )  # fmt: skip
-_WHEEL = (Bound("wheel_torque", "wheel"),)
+#: one wheel on each axis: the bound is that of all three curves
+_WHEEL = (Bound("wheel_torque", "wheel of Table 2, each axis"),)
+LOOK = {
+    **dict.fromkeys(RELEASES, "Look at: peak and settling of the angles; the torque against the wheel's limit."),
+    **dict.fromkeys(DISTURBED, "Look at: the angle at the steps of (25), linear beside nonlinear."),
+}
+
+
+def _angles(title: str, where: str) -> Plot:
+    return Plot(title, _lines(where, "angles_deg", NAMES))
+
+
+def _torques(title: str, where: str, bounds: tuple[Bound, ...] = ()) -> Plot:
+    return Plot(title, _lines(where, "torque_mN_m", "xyz"), bounds=bounds)
+
 
 LAYOUT = Layout("pinheiro2013", (
     Tab("Release", Columns(_SCENE, Rows(
-        Plot("Euler angles [rad]", _lines("nominal", "angles", NAMES)),
-        Plot("Control torque [N m]", _lines("nominal", "torque", "xyz"), bounds=_WHEEL),
+        _angles("Euler angles [deg]", "nominal"),
+        _torques("Control torque [mN m]", "nominal"),
+        _torques("Control torque and the wheel's limit [mN m]", "nominal", _WHEEL),
     )), runs=RELEASES),
-    Tab("Uncertainty", Rows(*(Plot(f"{name} [rad]", _compared(name)) for name in NAMES)), runs=RELEASES),
+    Tab("Uncertainty", Rows(
+        *(Plot(f"{name.capitalize()} angle [deg]", _compared(name)) for name in NAMES)
+    ), runs=RELEASES),
     Tab("Nonlinear", Rows(
-        Plot("Euler angles, nonlinear [rad]", _lines("nonlinear", "angles", NAMES)),
-        Plot("Euler angles, wheels limited [rad]", _lines("nonlinear_limited", "angles", NAMES)),
-        Plot("Control torque, wheels limited [N m]", _lines("nonlinear_limited", "torque", "xyz"), bounds=_WHEEL),
+        _angles("Euler angles, nonlinear [deg]", "nonlinear"),
+        _angles("Euler angles, wheels limited [deg]", "nonlinear_limited"),
+        _torques("Control torque, wheels limited [mN m]", "nonlinear_limited", _WHEEL),
     ), runs=RELEASES),
     Tab("Disturbed", Columns(_SCENE, Rows(
-        Plot("Euler angles [rad]", _lines("nominal", "angles", NAMES)),
-        Plot("Euler angles, nonlinear [rad]", _lines("nonlinear", "angles", NAMES)),
-        Plot("Control torque [N m]", _lines("nominal", "torque", "xyz")),
-        Plot("Disturbing torque [N m]", (Line("/disturbance/torque", "each_axis", "each axis", "magnitude"),)),
+        _angles("Euler angles [deg]", "nominal"),
+        Plot("Disturbing torque [mN m]", (Line("/disturbance/torque_mN_m", "each_axis", "each axis", "magnitude"),)),
     )), runs=DISTURBED),
+    Tab("Nonlinear motion", Rows(
+        _angles("Euler angles, nonlinear [deg]", "nonlinear"),
+        _torques("Control torque, nonlinear [mN m]", "nonlinear"),
+    ), runs=DISTURBED),
     Tab("About", Columns(Text("About", ABOUT), EventLog())),
-))  # fmt: skip
+), look=LOOK)  # fmt: skip

@@ -80,9 +80,9 @@ def fly(case: Case, loop: ClosedLoop, start: np.ndarray, log: LogWriter) -> None
     integrals = {"cost": "1", "delta_v": "m/s", "squared_error": "1"}
     log.signal("/integrals", integrals, time, states[:, [COST, DELTA_V, SQUARED_ERROR]])
     again = scalars(case, loop, second)
+    limits = {f"peak_f{axis}": limit for axis, limit in zip(AXES, loop.limits, strict=True)}
     for name, (instant, value, unit) in scalars(case, loop, trajectory).items():
-        log.extreme(name, instant, value, unit)
-        log.summary(f"second_{name}", again[name][1], unit)
+        log.extreme(name, instant, value, unit, second=again[name][1], limit=limits.get(name))
     for axis, limit in zip(AXES, loop.limits, strict=True):
         log.bound(f"thrust_{axis}", "N", lower=-limit, upper=limit)
     note_saturation(loop, trajectory, log)
@@ -103,10 +103,11 @@ def draw_scene(time: np.ndarray, states: np.ndarray, thrust: np.ndarray, log: Lo
     log.line("trajectory", "lvlh", states[:, POSITION], "truth")
     log.line("estimated_trajectory", "lvlh", states[:, ESTIMATE][:, :3], "estimate", width=1.0)
     log.body("chaser", "chaser", Body((160.0, 160.0, 160.0)))
-    log.arrows("thrust", "chaser", time, thrust, 40.0, "thrust")
+    # The largest thrust of the run is drawn 1 km long.
+    log.arrows("thrust", "chaser", time, thrust, 1000.0 / np.linalg.norm(thrust, axis=1).max(), "thrust")
     log.marker("target", "lvlh", (0.0, 0.0, 0.0), 120.0, "target", label="target")
-    log.axes("lvlh", 800.0)
-    log.axes("chaser", 400.0)
+    log.axes("lvlh", 1000.0, labels=("x radial", "y along track", "z"), name="LVLH")
+    log.axes("chaser", 400.0, labels=("", "", ""))
     log.event(0.0, "start", "chaser 5 km from the target; the estimate starts as the run says")
 
 
@@ -116,8 +117,8 @@ def measure(prefix: str, wanted: tuple[str, ...]) -> Callable[[Case, Log], Mappi
     def measured(case: Case, log: Log) -> dict[str, Measured]:
         found = {}
         for name in wanted:
-            _, value = log.extremes[name]
-            band = abs(value - log.summaries[f"second_{name}"])
+            _, value, second = log.extremes[name]
+            band = abs(value - second)
             method = "DOP853 at 1e-12, located on dense output; band: difference to LSODA at 1e-12"
             found[f"{prefix}.{name}"] = Measured(value, method, value - band, value + band)
         if prefix in ("audit", "audit.exact_start"):
@@ -126,7 +127,7 @@ def measure(prefix: str, wanted: tuple[str, ...]) -> Callable[[Case, Log], Mappi
             variation = float(np.sum(np.abs(np.diff(early))))
             found[f"{prefix}.fluctuation"] = Measured(variation, "sum of the changes between samples 0.05 s apart")
         if "error_settling" in wanted and "capture_10m" in wanted:
-            share = log.extremes["error_settling"][1] / log.extremes["capture_10m"][1]
+            share = log.extremes["error_settling"].value / log.extremes["capture_10m"].value
             found[f"{prefix}.error_settling_share"] = Measured(share, "settling time of the estimate over capture time")
         return found
 
@@ -182,13 +183,26 @@ _SHOWN, _TRANSIENT = 3000.0, 30.0
 ABOUT = """# Rendezvous of Wan, Liu and Karimi 2014
 
 A 200 kg chaser 5 km from its target in near-circular orbit, in the target's LVLH frame: x up, y along track, z out of
-plane. Thick line: where it is. Thin line: where its observer believes it is. Orange arrows: thrust.
+plane. Grey line: where it is. Thin orange line: where its observer believes it is. Arrows: thrust, the largest of the
+run 1 km long.
 
 - **Velocity error** (Figure 2): decays within seconds; the paper shows these three curves.
-- **Velocity** (Figure 3) and **thrust** (Figure 4): dashed lines are the bounds (5), 40, 40 and 20 N. Whether they are
-  kept depends on where the estimate starts, which the paper does not say: compare the runs `nominal` and `blind_start`.
+- **Velocity** (Figure 3) and **thrust** (Figure 4) with the bounds (5), 40, 40 and 20 N. Whether they are kept depends
+  on where the estimate starts, which the paper does not say: compare the runs `nominal` and `blind_start`.
 - **Trajectory** (Figure 5): the first 3000 s.
 """
+
+LOOK = {
+    "nominal": "Look at: thrust against its bounds (5), and the trajectory of the first 3000 s (Figure 5).",
+    "exact_start": "Look at, under First seconds: thrust without any error of the estimate; compare with `nominal`.",
+    "blind_start": "Look at, under First seconds: thrust against its bounds (5) while the estimate finds the chaser.",
+    "blind_start_clipped": "Look at, under First seconds: thrust clipped at its bounds; compare with `blind_start`.",
+    "linear": "Look at: the paper's linear plant; compare the approach with `nominal`.",
+    "resynthesised": "Look at: the sub-problem solved again; compare the approach with `nominal`.",
+    "repaired": "Look at: range and velocity increment, under Integrals; compare with `nominal`.",
+    "lqr": "Look at: thrust against its bounds (5); compare with `repaired`.",
+}
+_BOUNDS = (Bound("thrust_x", "fx, fy: 40 N", "axis_1"), Bound("thrust_z", "fz: 20 N", "axis_3"))
 
 LAYOUT = Layout("wan2014", (
     Tab("Rendezvous", Columns(
@@ -196,22 +210,27 @@ LAYOUT = Layout("wan2014", (
               elements=("trajectory", "estimated_trajectory", "thrust", "chaser", "target"),
               axes=("lvlh", "chaser")),
         Rows(
-            Plot("Relative position [m]", until=_SHOWN, lines=(*_axes("/chaser/state", ("x", "y", "z")),
-                                           *_axes("/observer/state", ("x", "y", "z"), "_estimate", " estimated"))),
-            Plot("Relative velocity [m/s]", until=_SHOWN, lines=(*_axes("/chaser/state", ("vx", "vy", "vz")),
-                                             *_axes("/observer/state", ("vx", "vy", "vz"), "_estimate", " estimated"))),
-            Plot("Thrust [N]", _axes("/chaser/thrust", AXES), until=_SHOWN,
-                 bounds=(Bound("thrust_x", "bound x, y"), Bound("thrust_z", "bound z"))),
+            Plot("Relative position [m]", _axes("/chaser/state", ("x", "y", "z")), until=_SHOWN),
+            Plot("Relative velocity [m/s]", _axes("/chaser/state", ("vx", "vy", "vz")), until=_SHOWN),
+            Plot("Thrust [N]", _axes("/chaser/thrust", AXES), until=_SHOWN, bounds=_BOUNDS),
         ),
         shares=(1, 1))),
-    Tab("Observer", Rows(
-        Plot("Velocity error of the estimate [m/s]", _axes("/observer/error", ("vx", "vy", "vz")), until=_TRANSIENT),
-        Plot("Position error of the estimate [m]", _axes("/observer/error", ("x", "y", "z")), until=_TRANSIENT),
-    )),
+    Tab("First seconds", Columns(
+        Rows(
+            Plot("Thrust, first seconds [N]", _axes("/chaser/thrust", AXES), until=_TRANSIENT, bounds=_BOUNDS),
+            Plot("Relative velocity and its estimate [m/s]", until=_TRANSIENT, lines=(
+                *_axes("/chaser/state", ("vx", "vy", "vz")),
+                *_axes("/observer/state", ("vx", "vy", "vz"), "_estimate", " estimated"))),
+        ),
+        Rows(
+            Plot("Velocity error of the estimate [m/s]", until=_TRANSIENT,
+                 lines=_axes("/observer/error", ("vx", "vy", "vz"))),
+            Plot("Position error of the estimate [m]", _axes("/observer/error", ("x", "y", "z")), until=_TRANSIENT),
+        ))),
     Tab("Integrals", Rows(
         Plot("Range to the target [m]", (Line("/chaser/range", "range", "range", "magnitude"),), until=_SHOWN),
         Plot("Cost J so far [1]", (Line("/integrals", "cost", "J", "magnitude"),), until=_SHOWN),
         Plot("Velocity increment so far [m/s]", (Line("/integrals", "delta_v", "delta-v", "magnitude"),), until=_SHOWN),
     )),
     Tab("About", Columns(Text("About", ABOUT), EventLog())),
-))  # fmt: skip
+), look=LOOK)  # fmt: skip

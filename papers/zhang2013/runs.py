@@ -22,24 +22,34 @@ from gainsay.logs import (
     Tab,
     Text,
 )
+from gainsay.logs.sampling import moving_samples
 from gainsay.tables import Case
 from papers.zhang2013.flight import Flight, external_torque, fly, numbers
 
 SECOND = {"step": 0.03, "stages": 6}
 """The second solution, on another mesh and of another order, that bands every number."""
-DRAWN_DEFLECTION = 20.0
-"""Metres drawn at the tip for one unit of a modal coordinate: deflections of millimetres become visible."""
+DRAWN = 0.8
+"""Metres drawn at the tip for the largest modal coordinate of a run: deflections of millimetres become visible."""
 
 
 def record(case: Case, flight: Flight, second: Flight, log: LogWriter) -> None:
-    """Log a run in full, its numbers by both solutions, and what the three-dimensional view shows."""
+    """Log a run in full, its numbers by both solutions, and what the three-dimensional view shows.
+
+    Samples stand as close as the signals need, at least `log_step` apart.
+    """
     end = float(flight.solution.mesh[-1])
     count = round(end / case.number("log_step"))
     time = np.minimum(np.arange(count + 1) * case.number("log_step"), end)
+    time = time[
+        moving_samples(
+            np.column_stack([flight.solution(time), flight.law(time), *flight.torque(time, flight.solution(time))])
+        )
+    ]
     states = flight.solution(time)
     w2, estimate = flight.w2(states), flight.estimate(states)
     feedback, compensation = flight.torque(time, states)
-    log.signal("/spacecraft/attitude", {"angle": "rad", "rate": "rad/s"}, time, states[:, :2])
+    log.signal("/spacecraft/attitude", {"angle": "rad"}, time, states[:, :1], shown="mrad")
+    log.signal("/spacecraft/rate", {"rate": "rad/s"}, time, states[:, 1:2], shown="mrad/s")
     modal = {"eta1": "kg^0.5 m", "eta2": "kg^0.5 m", "eta1_rate": "kg^0.5 m/s", "eta2_rate": "kg^0.5 m/s"}
     log.signal("/spacecraft/modes", modal, time, states[:, 2:6])
     log.signal("/disturbance", {"w1": "N m", "w2": "N m"}, time, np.column_stack([external_torque(case)(time), w2]))
@@ -54,8 +64,7 @@ def record(case: Case, flight: Flight, second: Flight, log: LogWriter) -> None:
     log.signal("/integrals", {"squared_error": "N^2 m^2 s", "squared_angle": "rad^2 s"}, time, np.column_stack(squares))
     again = numbers(second)
     for name, (instant, value, unit) in numbers(flight).items():
-        log.extreme(name, instant, value, unit)
-        log.summary(f"second_{name}", again[name][1], unit)
+        log.extreme(name, instant, value, unit, second=again[name][1])
     log.bound("delay", "s", lower=0.0, upper=case.number("d_M"))
     log.event(0.0, "start", f"mode {flight.mode}, first estimate {estimate[0]:.4g} N m")
     draw_scene(time, states, log)
@@ -66,13 +75,15 @@ def draw_scene(time: np.ndarray, states: np.ndarray, log: LogWriter) -> None:
     half = states[:, 0] / 2
     turn = np.column_stack([np.zeros_like(half), np.sin(half), np.zeros_like(half), np.cos(half)])
     log.transform("orbit", "spacecraft", time, np.zeros((len(time), 3)), turn)
+    scale = DRAWN / max(np.abs(states[:, 2:4]).max(), 1e-12)
+    log.summary("drawn_deflection", scale, "kg^-0.5")
     panels = tuple(
-        Appendage((side * 0.8, 0.0, 0.0), (side, 0.0, 0.0), (0.0, 0.0, side), 4.0, 1.2, (DRAWN_DEFLECTION,) * 2)
+        Appendage((side * 0.8, 0.0, 0.0), (side, 0.0, 0.0), (0.0, 0.0, side), 4.0, 1.2, (scale,) * 2)
         for side in (1.0, -1.0)
     )
     log.body("spacecraft", "spacecraft", Body((1.6, 1.6, 1.6), panels), time, states[:, 2:4])
-    log.axes("orbit", 3.0)
-    log.axes("spacecraft", 2.0)
+    log.axes("orbit", 3.0, name="orbit frame")
+    log.axes("spacecraft", 2.0, labels=("", "", ""))
 
 
 def printed(mode: str, start: str) -> Callable[..., None]:
@@ -101,8 +112,8 @@ def measure(prefix: str, *wanted: str) -> Callable[[Case, Log], Mapping[str, Mea
     def measured(case: Case, log: Log) -> dict[str, Measured]:
         found = {}
         for name in wanted:
-            value = log.extremes[name][1]
-            band = abs(value - log.summaries[f"second_{name}"])
+            _, value, second = log.extremes[name]
+            band = abs(value - second)
             method = "Gauss collocation, 5 points a step of 20 ms; band: difference to 6 points a step of 30 ms"
             found[f"{prefix}.{name}"] = Measured(value, method, value - band, value + band)
         return found
@@ -163,66 +174,61 @@ RUNS = (
 ABOUT = """# Flexible spacecraft of Zhang, Li and Guo 2013
 
 One axis (pitch), two bending modes, a torque that arrives up to 30 ms late, and an observer that estimates the torque
-w2 of the modes on the body. Panels are drawn bending 20 m for a unit of modal coordinate: far more than they do.
+w2 of the modes on the body. Panels are drawn bending far more than they do: 0.8 m at the run's largest deflection.
 
 - **Angle** and **rate**: what the captions of Figures 1 and 2 announce; the pictures themselves are lost.
 - **Estimation error** w2 - w2hat: what the caption of Figure 3 announces. Compare the runs `nominal` and `no_observer`.
 - **Delay**: d(t) is not given in the text; ours touches zero and the bound 0.03 s.
 """
 
-LAYOUT = Layout(
-    "zhang2013",
-    (
-        Tab(
-            "Attitude",
-            Columns(
-                Scene("Spacecraft, pitch about y", "orbit", elements=("spacecraft",), axes=("orbit", "spacecraft")),
-                Rows(
-                    Plot("Pitch angle [rad]", (Line("/spacecraft/attitude", "angle", "theta", "axis_2"),)),
-                    Plot("Pitch rate [rad/s]", (Line("/spacecraft/attitude", "rate", "theta rate", "axis_2"),)),
-                    Plot(
-                        "Torque [N m]",
-                        (
-                            Line("/torque", "total", "total", "thrust"),
-                            Line("/torque", "feedback", "K x", "axis_1"),
-                            Line("/torque", "compensation", "-w2 estimate", "axis_2"),
-                        ),
-                    ),
-                ),
-                shares=(1, 1),
-            ),
+LOOK = {
+    "": "Look at: the angle within the first 100 s and, under Observer, the error of the estimate.",
+    "no_observer": "Look at: the angle without an observer; compare with `nominal`.",
+    "fast": "Look at, under Whole run: the vibration of a design that the LMIs accept.",
+    "repaired": "Look at: the angle within the first 100 s; compare with `nominal`.",
+}
+#: what is shown at first: the attitude's transient, the observer's, and that of the fast designs, s
+_SHOWN, _ESTIMATE, _FIRST = 100.0, 20.0, 5.0
+
+
+def _one(title: str, topic: str, field: str, label: str, role: str, until: float | None = None) -> Plot:
+    return Plot(title, (Line(topic, field, label, role),), until=until)
+
+
+_MODES = tuple(Line("/spacecraft/modes", f"eta{i}", f"eta{i}", f"axis_{i}") for i in (1, 2))
+
+LAYOUT = Layout("zhang2013", (
+    Tab("Attitude", Columns(
+        Scene("Spacecraft, pitch about y", "orbit", elements=("spacecraft",), axes=("orbit", "spacecraft")),
+        Rows(
+            _one("Pitch angle [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2", _SHOWN),
+            _one("Pitch rate [mrad/s]", "/spacecraft/rate_mrad_s", "rate", "theta rate", "axis_2", _SHOWN),
+            Plot("Torque [N m]", until=_SHOWN, lines=(
+                Line("/torque", "feedback", "K x", "axis_1"),
+                Line("/torque", "compensation", "-w2 estimate", "axis_2"),
+            )),
         ),
-        Tab(
-            "Observer",
-            Rows(
-                Plot(
-                    "Torque of the modes [N m]",
-                    (
-                        Line("/disturbance", "w2", "w2", "truth"),
-                        Line("/observer", "w2_estimate", "w2 estimate", "estimate"),
-                    ),
-                ),
-                Plot("Estimation error [N m]", (Line("/observer", "error", "w2 - w2 estimate", "axis_1"),)),
-                Plot(
-                    "Modal coordinates [kg^0.5 m]",
-                    (
-                        Line("/spacecraft/modes", "eta1", "eta1", "axis_1"),
-                        Line("/spacecraft/modes", "eta2", "eta2", "axis_2"),
-                    ),
-                ),
-            ),
-        ),
-        Tab(
-            "Delay",
-            Rows(
-                Plot(
-                    "Delay [s]", (Line("/delay", "delay", "d", "magnitude"),), bounds=(Bound("delay", "bounds of d"),)
-                ),
-                Plot(
-                    "Integral of squared angle [rad^2 s]", (Line("/integrals", "squared_angle", "angle", "magnitude"),)
-                ),
-            ),
-        ),
-        Tab("About", Columns(Text("About", ABOUT), EventLog())),
-    ),
-)
+        shares=(1, 1))),
+    Tab("First seconds", Rows(
+        _one("Pitch angle, first seconds [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2", _FIRST),
+        _one("Torque, first seconds [N m]", "/torque", "total", "total", "thrust", _FIRST),
+    )),
+    Tab("Observer", Rows(
+        Plot("Torque of the modes [N m]", until=_ESTIMATE, lines=(
+            Line("/disturbance", "w2", "w2", "truth"), Line("/observer", "w2_estimate", "w2 estimate", "estimate"),
+        )),
+        _one("Estimation error [N m]", "/observer", "error", "w2 - w2 estimate", "axis_1", _ESTIMATE),
+        Plot("Modal coordinates [kg^0.5 m]", _MODES, until=_ESTIMATE),
+    )),
+    Tab("Whole run", Rows(
+        _one("Pitch angle, whole run [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2"),
+        _one("Estimation error, whole run [N m]", "/observer", "error", "w2 - w2 estimate", "axis_1"),
+        Plot("Modal coordinates, whole run [kg^0.5 m]", _MODES),
+    )),
+    Tab("Delay", Rows(
+        Plot("Delay [s]", (Line("/delay", "delay", "d", "magnitude"),), until=_ESTIMATE,
+             bounds=(Bound("delay", "0 and d_M"),)),
+        _one("Integral of squared angle [rad^2 s]", "/integrals", "squared_angle", "angle", "magnitude", _SHOWN),
+    )),
+    Tab("About", Columns(Text("About", ABOUT), EventLog())),
+), look=LOOK)  # fmt: skip

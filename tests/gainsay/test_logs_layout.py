@@ -26,7 +26,8 @@ from gainsay.logs.check import check_layout, layout_problems
 from gainsay.logs.demo import LAYOUT, write_demo
 from gainsay.logs.eye import eye_of
 from gainsay.logs.foxglove import foxglove_layout
-from gainsay.logs.palette import ROLES, rgb, role
+from gainsay.logs.layout import bound_lines, playback_speed
+from gainsay.logs.palette import ROLES, on_both, rgb, role
 
 
 @pytest.fixture(scope="module")
@@ -98,6 +99,8 @@ def test_empty_topics_events_and_loose_frames_are_found(tmp_path):
         lambda: Line("/a", "x.y", "x", "axis_1"),
         lambda: Line("a", "x", "x", "axis_1"),
         lambda: Scene("S", "lvlh", follow="chaser"),
+        lambda: Bound("thrust", sides=("left",)),
+        lambda: Bound("thrust", role="pink"),
         lambda: Rows(),
         lambda: Rows(plot(), shares=(1, 2)),
         lambda: Columns(plot(), shares=(0,)),
@@ -135,7 +138,7 @@ def test_foxglove_layout_has_every_panel_once_and_resolves(log):
     assert made.keys() == {"configById", "globalVariables", "userNodes", "playbackConfig", "layout"}
     panels = made["configById"]
     tabs = panels[made["layout"]]["tabs"]
-    assert [tab["title"] for tab in tabs] == ["Approach", "About"]
+    assert [tab["title"] for tab in tabs] == ["demo spiral: Approach", "About"]
     shown = [name for tab in tabs for name in leaves(tab["layout"])]
     assert sorted([*shown, made["layout"]]) == sorted(panels)
     kinds = {Plot: "Plot", Scene: "3D", EventLog: "RosOut"}
@@ -163,20 +166,57 @@ def test_a_tab_of_text_alone_is_left_out(log):
 
 def test_the_camera_looks_from_where_the_eye_is(log):
     """Foxglove's camera: -r sin(phi) sin(theta), -r sin(phi) cos(theta), r cos(phi) from the target."""
-    eye = (3000.0, -4000.0, 1200.0)
-    panels = json.loads(foxglove_layout(one(Scene("S", "lvlh", ("path",), eye=eye)), log))["configById"]
-    camera = panels["3D!3d1"]["cameraState"]
+    scene = Scene("S", "lvlh", ("path",), direction=(3.0, -4.0, 1.2))
+    camera = json.loads(foxglove_layout(one(scene), log))["configById"]["3D!3d1"]["cameraState"]
     phi, theta, r = math.radians(camera["phi"]), math.radians(camera["thetaOffset"]), camera["distance"]
-    place = (-r * math.sin(phi) * math.sin(theta), -r * math.sin(phi) * math.cos(theta), r * math.cos(phi))
-    assert place == pytest.approx(eye)
+    away = (-r * math.sin(phi) * math.sin(theta), -r * math.sin(phi) * math.cos(theta), r * math.cos(phi))
+    eye = eye_of(scene, log)
+    assert camera["targetOffset"] == pytest.approx(eye.target)
+    assert np.add(away, eye.target) == pytest.approx(eye.place)
+    assert np.array(away) / r == pytest.approx(np.array([3.0, -4.0, 1.2]) / math.sqrt(26.44))
 
 
-def test_a_scene_without_an_eye_is_seen_whole(log):
-    """The spiral starts 5000 m away, 0.35 of it out of plane: no eye nearer than that sees it all."""
-    distance = math.hypot(*eye_of(Scene("S", "lvlh", ("path",)), log))
-    assert 1.5 * math.hypot(5000.0, 1750.0) < distance < 3.0 * math.hypot(5000.0, 1750.0)
-    near = math.hypot(*eye_of(Scene("S", "lvlh", ("chaser",), ("chaser",), follow="chaser"), log))
-    assert near < 5000.0  # following, it is the body that counts, about 1.1 km long
+def test_everything_drawn_is_seen_from_the_first(log):
+    """Each point of the path lies inside a cone of the half angle 22.5 deg, the narrower of the viewers' cameras."""
+    scene = Scene("S", "lvlh", ("path", "thrust"))
+    eye = eye_of(scene, log)
+    points = log["/chaser/position"].values
+    ahead = np.subtract(eye.target, eye.place) / np.linalg.norm(np.subtract(eye.target, eye.place))
+    seen = points - eye.place
+    angles = np.degrees(np.arccos(seen @ ahead / np.linalg.norm(seen, axis=1)))
+    assert 5.0 < angles.max() < 22.5
+    near = eye_of(Scene("S", "lvlh", ("chaser",), ("chaser",), follow="chaser"), log)
+    assert near.target == (0.0, 0.0, 0.0)
+    assert np.linalg.norm(near.place) < 8000.0  # following, it is the body that counts, about 2 km wide
+
+
+def test_the_first_tab_says_what_is_shown_and_what_to_look_at():
+    layout = Layout("demo", (Tab("A", plot()), Tab("B", plot())), look={"": "the peak", "clipped": "the corner"})
+    for run, look in (("nominal", "the peak"), ("clipped", "the corner")):
+        first, second = layout.for_run(run, {"about": "printed gains", "title": "A paper"}).tabs
+        text = first.content.items[0].markdown
+        assert text.startswith(f"**demo, run {run}**: printed gains. *A paper*") and look in text
+        assert second == layout.tabs[1]
+
+
+def test_a_bound_has_the_colour_of_what_it_bounds_and_the_sides_that_it_has(log):
+    both = plot(bounds=(Bound("thrust_z", "fz", "axis_3"),))
+    upper = plot(bounds=(Bound("thrust_z", "fz", "axis_3", ("upper",)),))
+    assert [(line.label, line.role) for line in bound_lines(both, {})] == [
+        ("fz (lower)", "axis_3"),
+        ("fz (upper)", "axis_3"),
+    ]
+    assert [(line.field, line.label) for line in bound_lines(upper, {"thrust_z": ("lower", "upper")})] == [
+        ("upper", "fz")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("duration", "speed"), [(0.5, 1), (30.0, 1), (31.0, 2), (100.0, 5), (300.0, 10), (20000.0, 1000)]
+)
+def test_a_run_plays_in_half_a_minute(duration, speed):
+    assert playback_speed(duration) == speed
+    assert duration / speed <= 30.0
 
 
 def test_shares_become_percentages(log):
@@ -191,6 +231,14 @@ def luminance(colour):
     """Relative luminance of WCAG 2.1, section 1.4.3."""
     linear = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in (part / 255 for part in colour)]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+@pytest.mark.parametrize("name", list(ROLES))
+def test_what_has_one_colour_stands_out_on_white_and_on_dark(name):
+    """WCAG 2.1 (1.4.11) asks 3:1 of graphics."""
+    found = luminance(on_both(name))
+    assert 1.05 / (found + 0.05) >= 3.0
+    assert (found + 0.05) / (luminance((20, 22, 26)) + 0.05) >= 3.0
 
 
 @pytest.mark.parametrize("name", list(ROLES))

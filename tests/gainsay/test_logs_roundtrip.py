@@ -1,7 +1,9 @@
 import hashlib
+import itertools
 import struct
 import subprocess
 import sys
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from mcap.reader import NonSeekingReader, make_reader
 from gainsay.errors import InputError, LogError
 from gainsay.logs import Appendage, Body, LogWriter, read_log
 from gainsay.logs.demo import write_demo
+from gainsay.logs.sampling import moving_samples
 from gainsay.logs.schemas import foxglove_class, signal_schema
 
 UNITS = {"x": "m", "y": "m/s"}
@@ -88,7 +91,8 @@ def test_everything_a_log_holds(tmp_path):
         log.bound("thrust", "N", lower=-40.0, upper=40.0)
         log.event(0.25, "late", "second", level="warning")
         log.event(0.05, "early", "first")
-        log.extreme("peak", 0.1 + 1e-13, 1 / 3, "N")
+        log.extreme("peak", 0.1 + 1e-13, 1 / 3, "N", second=0.3, limit=0.25)
+        log.extreme("least", 0.2, -0.25, "N", second=-0.25, limit=0.25)
         log.summary("cost", 2 / 3, "1")
         log.transform("lvlh", "chaser", time, np.eye(3), [[0, 0, 0, 1]] * 3)
     log = read_log(path)
@@ -97,12 +101,14 @@ def test_everything_a_log_holds(tmp_path):
     assert log["/state"].units == UNITS
     assert log["/state"].frame()["y"].tolist() == [1.0] * 3
     assert log["/state"].frame().index.tolist() == time.tolist()
-    assert log.extremes == {"peak": (0.1 + 1e-13, 1 / 3)}
+    assert log.extremes == {"peak": (0.1 + 1e-13, 1 / 3, 0.3), "least": (0.2, -0.25, -0.25)}
     assert log.summaries == {"cost": 2 / 3}
     assert log.bounds == {"thrust": {"lower": -40.0, "upper": 40.0}}
     assert log["/bounds/thrust"].time.tolist() == [0.0, time[-1]]
-    assert [(e.name, e.text, e.level) for e in log.events if e.name != "peak"] == [
+    assert [(e.name, e.text, e.level) for e in log.events] == [
         ("early", "first", "info"),
+        ("peak", "extreme peak: 0.333333 N at 0.1 s, beyond the limit of 0.25 N", "warning"),
+        ("least", "extreme least: -0.25 N at 0.2 s", "info"),  # the limit itself is kept
         ("late", "second", "warning"),
     ]
     assert log.frames == {"chaser": "lvlh"}
@@ -183,6 +189,51 @@ def test_blocks_make_no_difference_to_what_is_read(tmp_path):
     one, many = read_log(tmp_path / "one.mcap"), read_log(tmp_path / "many.mcap")
     assert one["/a"].values.tobytes() == many["/a"].values.tobytes() == values.tobytes()
     assert one["/b"].values.tobytes() == many["/b"].values.tobytes()
+
+
+def test_chunks_follow_each_other_in_time_whatever_the_order_of_writing(tmp_path):
+    """Oracle: the chunk index and the seeking reader of the mcap package; no message is lost."""
+    time = np.linspace(0.0, 99.0, 1000)
+    with write(tmp_path / "a.mcap", chunk_size=5000) as log:
+        log.signal("/a", UNITS, time, np.ones((1000, 2)))
+        log.transform("lvlh", "chaser", time[::7], np.zeros((len(time[::7]), 3)))
+        log.signal("/b", UNITS, time[:500], np.ones((500, 2)))
+        log.event(50.0, "half", "half")
+        log.signal("/b", UNITS, time[500:], np.ones((500, 2)))
+    with (tmp_path / "a.mcap").open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        chunks = reader.get_summary().chunk_indexes
+        assert len(chunks) > 10
+        spans = [(chunk.message_start_time, chunk.message_end_time) for chunk in chunks]
+        assert all(before[1] < after[0] for before, after in itertools.pairwise(spans))
+        found = Counter(channel.topic for _, channel, _ in reader.iter_messages())
+    assert found == {"/a": 1000, "/b": 1000, "/tf/chaser": 143, "/events": 1}
+    assert read_log(tmp_path / "a.mcap")["/b"].time.tolist() == time.tolist()
+
+
+def test_plots_have_their_own_unit(tmp_path):
+    """An angle of one radian is 180/pi degrees (SI brochure, table 8)."""
+    with write(tmp_path / "a.mcap") as log:
+        log.signal("/angles", {"roll": "rad"}, [0.0], [[1.0]], shown="deg")
+        with pytest.raises(InputError, match="unit of /b for plots"):
+            log.signal("/b", {"x": "m"}, [0.0], [[1.0]], shown="deg")
+    log = read_log(tmp_path / "a.mcap")
+    assert log["/angles"].values.tolist() == [[1.0]]
+    assert log["/angles_deg"].units == {"roll": "deg"}
+    assert log["/angles_deg"].values[0, 0] == pytest.approx(57.29577951308232, rel=1e-15)
+
+
+def test_samples_are_kept_where_a_signal_moves():
+    """Straight lines between the kept samples follow sin(5 t) within one percent of its range, and what is quiet."""
+    time = np.arange(30001) * 0.01
+    values = np.stack([np.sin(5 * time) * (time < 100), time], axis=1)
+    kept = moving_samples(values)
+    assert kept[0] == 0 and kept[-1] == 30000 and len(kept) < 4500
+    assert np.count_nonzero(kept > 11000) < 330  # straight lines: every 64th sample
+    line = np.interp(time[:9900], time[kept], values[kept, 0])
+    assert np.abs(line - values[:9900, 0]).max() <= 0.01 * 2
+    assert np.abs(np.interp(time, time[kept], values[kept, 1]) - values[:, 1]).max() < 1e-9
+    assert moving_samples(values[:1]).tolist() == [0]
 
 
 def test_index_finds_messages_of_one_topic(tmp_path):

@@ -1,7 +1,7 @@
 """Logs of single runs: written once, read back bit for bit, shown by common viewers."""
 
 from gainsay.logs.layout import Bound, Columns, EventLog, Layout, Line, Plot, Rows, Scene, Tab, Text
-from gainsay.logs.reader import Event, Log, Signal, read_log
+from gainsay.logs.reader import Event, Extreme, Log, Signal, read_log
 from gainsay.logs.runs import Measured, RunSpec
 from gainsay.logs.scene import Appendage, Body
 from gainsay.logs.writer import LogWriter
@@ -13,6 +13,7 @@ __all__ = [
     "Columns",
     "Event",
     "EventLog",
+    "Extreme",
     "Layout",
     "Line",
     "Log",

@@ -8,7 +8,20 @@ from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMa
 
 from gainsay.logs.drawing import TIMELINE, text_path
 from gainsay.logs.eye import eye_of
-from gainsay.logs.layout import EVENT_TOPIC, Columns, EventLog, Item, Layout, Line, Plot, Rows, Scene, Text, bound_lines
+from gainsay.logs.layout import (
+    EVENT_TOPIC,
+    Columns,
+    EventLog,
+    Item,
+    Layout,
+    Line,
+    Plot,
+    Rows,
+    Scene,
+    Text,
+    bound_lines,
+    playback_speed,
+)
 from gainsay.logs.palette import rgb, role
 from gainsay.logs.reader import Log
 from gainsay.logs.schemas import signal_schema
@@ -21,22 +34,14 @@ def blueprint(layout: Layout, log: Log) -> rrb.Blueprint:
     tabs = [_item(tab.content, log, tab.title) for tab in layout.tabs]
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=0) if len(tabs) > 1 else tabs[0],
-        rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=_speed(log.duration), play_state="paused"),
+        rrb.TimePanel(
+            state="collapsed", timeline=TIMELINE, playback_speed=playback_speed(log.duration), play_state="paused"
+        ),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
         auto_layout=False,
         auto_views=False,
     )
-
-
-def _speed(duration: float) -> float:
-    """Playback speed at which a run takes about half a minute: 1, 2 or 5 times a power of ten."""
-    speed, steps = 1.0, (2.0, 2.5, 2.0)
-    for step in range(30):
-        if duration / speed <= 30.0:
-            break
-        speed *= steps[step % 3]
-    return speed
 
 
 def _item(item: Item, log: Log, title: str = "") -> rrb.View | rrb.Container:
@@ -104,7 +109,8 @@ def _plot(plot: Plot, log: Log) -> rrb.TimeSeriesView:
 
 
 def _scene(scene: Scene, log: Log) -> rrb.Spatial3DView:
-    eye = {"position": eye_of(scene, log), "look_target": (0.0, 0.0, 0.0), "eye_up": (0.0, 0.0, 1.0)}
+    place, target = eye_of(scene, log)
+    eye = {"position": place, "look_target": target, "eye_up": (0.0, 0.0, 1.0)}
     if scene.follow:
         eye["tracking_entity"] = f"/scene/axes_{scene.follow}/origin"
     return rrb.Spatial3DView(

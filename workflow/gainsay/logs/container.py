@@ -1,12 +1,16 @@
-"""The MCAP container: chunks, indexes and CRCs, written in one pass with blocks of records as arrays.
+"""The MCAP container: chunks in order of time across all topics, indexes and CRCs, blocks of records as arrays.
 
 Format: https://mcap.dev/spec. Records other than messages go through the record types of the ``mcap`` package;
 messages are assembled here, because one Python call a message is what makes ordinary writers slow.
+
+A run is logged topic by topic. Its messages wait in an unnamed temporary file until the end, when each chunk takes the
+messages of all topics in its stretch of time: a viewer that plays a run then needs one chunk at a time.
 """
 
 import struct
+import tempfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import BinaryIO
 
 import numpy as np
@@ -42,6 +46,25 @@ def _packed(record: object) -> bytes:
     return builder.end()
 
 
+class _Waiting:
+    """Messages of one channel that wait in the spool: time, place and size of each."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._blocks: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+
+    def add(self, times: np.ndarray, start: int, width: int) -> None:
+        """Note a block of messages of `width` bytes each that starts at byte `start` of the spool."""
+        places = start + width * np.arange(len(times), dtype=np.int64)
+        self._blocks.append((times.astype("<u8"), places, np.full(len(times), width, dtype=np.int64)))
+        self.count += len(times)
+
+    def rows(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Times, places and sizes of all, in the order of writing, which is that of time."""
+        times, places, sizes = (np.concatenate(parts) for parts in zip(*self._blocks, strict=True))
+        return times, places, sizes
+
+
 class Container:
     """Writes one MCAP stream.
 
@@ -50,7 +73,7 @@ class Container:
     stream : binary file
         Written strictly forward.
     chunk_size : int
-        A chunk is closed when its records reach this many bytes.
+        Messages of about this many bytes make a chunk; messages of one instant stay together.
     """
 
     def __init__(self, stream: BinaryIO, *, chunk_size: int = 1 << 20) -> None:
@@ -62,32 +85,24 @@ class Container:
         self._chunks: list[ChunkIndex] = []
         self._attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
-        self._counts: dict[int, int] = {}
-        self._first, self._last = None, 0
-        self._new_chunk()
+        self._waiting: dict[int, _Waiting] = {}
+        self._spool = tempfile.TemporaryFile()  # noqa: SIM115  # closed by `finish` or `close`
         self._write(MAGIC)
         self._write(_packed(Header(PROFILE, LIBRARY)))
+
+    def close(self) -> None:
+        """Drop what waits."""
+        self._spool.close()
 
     def _write(self, data: bytes) -> None:
         self._stream.write(data)
         self._crc = zlib.crc32(data, self._crc)
         self._offset += len(data)
 
-    def _new_chunk(self) -> None:
-        self._parts: list[bytes] = []
-        self._size = 0
-        self._index: dict[int, list[np.ndarray]] = {}
-        self._span: list[int] = []
-
-    def _append(self, data: bytes) -> None:
-        self._parts.append(data)
-        self._size += len(data)
-
     def schema(self, name: str, data: bytes) -> int:
         """Register a protobuf schema and return its id."""
         made = Schema(id=len(self._schemas) + 1, name=name, encoding="protobuf", data=data)
         self._schemas.append(made)
-        self._append(_packed(made))
         return made.id
 
     def channel(self, topic: str, schema: int, metadata: Mapping[str, str]) -> int:
@@ -102,58 +117,65 @@ class Container:
             schema_id=schema,
         )
         self._channels.append(made)
-        self._append(_packed(made))
         return made.id
 
     def count(self, channel: int) -> int:
         """Messages written on `channel` so far."""
-        return self._counts.get(channel, 0)
+        waiting = self._waiting.get(channel)
+        return waiting.count if waiting else 0
 
     def records(self, channel: int, block: np.ndarray) -> None:
         """Append a block of complete message records, a structured array as `schemas.signal_record` lays it out.
 
-        Channel and sequence numbers are filled in here; the block is split where a chunk is full.
+        Channel and sequence numbers are filled in here; times must not decrease on a channel.
         """
-        width = block.dtype.itemsize
         done = self.count(channel)
         if done + len(block) > 0xFFFFFFFF:
             raise InputError("messages on one topic", value=done + len(block), expected="at most 4294967295")
+        if not len(block):
+            return
         block["channel"] = channel
         block["sequence"] = np.arange(done, done + len(block), dtype=np.uint32)
-        start = 0
-        while start < len(block):
-            stop = min(len(block), start + max(1, (self._chunk_size - self._size) // width))
-            part = block[start:stop]
-            index = np.empty((stop - start, 2), dtype="<u8")
-            index[:, 0] = part["log_time"]
-            index[:, 1] = self._size + width * np.arange(stop - start, dtype=np.uint64)
-            self._index.setdefault(channel, []).append(index)
-            self._span += [int(index[:, 0].min()), int(index[:, 0].max())]
-            self._append(part.tobytes())
-            if self._size >= self._chunk_size - width:
-                self._close_chunk()
-            start = stop
-        self._counts[channel] = done + len(block)
+        self._wait(channel, block["log_time"], block.dtype.itemsize, block.tobytes())
 
     def message(self, channel: int, time_ns: int, data: bytes) -> None:
         """Append one message of any length."""
-        done = self.count(channel)
-        self._index.setdefault(channel, []).append(np.array([[time_ns, self._size]], dtype="<u8"))
-        self._span.append(time_ns)
-        self._append(MESSAGE_HEAD.pack(5, 22 + len(data), channel, done, time_ns, time_ns) + data)
-        self._counts[channel] = done + 1
-        if self._size >= self._chunk_size:
-            self._close_chunk()
+        record = MESSAGE_HEAD.pack(5, 22 + len(data), channel, self.count(channel), time_ns, time_ns) + data
+        self._wait(channel, np.array([time_ns], dtype="<u8"), len(record), record)
 
-    def _close_chunk(self) -> None:
-        if not self._parts:
-            return
-        plain = b"".join(self._parts)
+    def _wait(self, channel: int, times: np.ndarray, width: int, data: bytes) -> None:
+        self._waiting.setdefault(channel, _Waiting()).add(times, self._spool.tell(), width)
+        self._spool.write(data)
+
+    def _write_chunks(self) -> None:
+        """Write everything that waits, each chunk a stretch of time; the first begins with schemas and channels."""
+        rows = {channel: waiting.rows() for channel, waiting in sorted(self._waiting.items())}
+        head = b"".join(_packed(record) for record in (*self._schemas, *self._channels))
+        for first, last in _stretches(rows, self._chunk_size) if rows else ([(0, 0)] if head else ()):
+            parts, index, size = [head], {}, len(head)
+            for channel, (times, places, sizes) in rows.items():
+                # Unsigned as the times are: numpy would compare them as doubles with other integers.
+                here = slice(*np.searchsorted(times, np.array([first, last], dtype=np.uint64), side="left"))
+                if here.start == here.stop:
+                    continue
+                parts += self._spooled(places[here], sizes[here])
+                offsets = size + np.cumsum(sizes[here]) - sizes[here]
+                index[channel] = np.stack([times[here], offsets.astype("<u8")], axis=1)
+                size += int(sizes[here].sum())
+            self._chunk(b"".join(parts), index)
+            head = b""
+
+    def _spooled(self, places: np.ndarray, sizes: np.ndarray) -> Iterator[bytes]:
+        """Yield the bytes of messages from the spool, those beside each other at once."""
+        breaks = np.flatnonzero(places[1:] != places[:-1] + sizes[:-1]) + 1
+        for start, stop in zip([0, *breaks], [*breaks, len(places)], strict=True):
+            self._spool.seek(places[start])
+            yield self._spool.read(int(places[stop - 1] + sizes[stop - 1] - places[start]))
+
+    def _chunk(self, plain: bytes, index: Mapping[int, np.ndarray]) -> None:
         packed = self._compressor.compress(plain)
-        first, last = (min(self._span), max(self._span)) if self._span else (0, 0)
-        if self._span:
-            self._first = first if self._first is None else min(self._first, first)
-            self._last = max(self._last, last)
+        first = min((int(entries[0, 0]) for entries in index.values()), default=0)
+        last = max((int(entries[-1, 0]) for entries in index.values()), default=0)
         start = self._offset
         name = COMPRESSION.encode()
         body = _CHUNK_HEAD.pack(first, last, len(plain), zlib.crc32(plain)) + struct.pack("<I", len(name)) + name
@@ -161,10 +183,10 @@ class Container:
         self._write(packed)
         end = self._offset
         places = {}
-        for channel, blocks in self._index.items():
+        for channel, entries in index.items():
             places[channel] = self._offset
-            entries = np.concatenate(blocks).tobytes()
-            self._write(struct.pack("<BQHI", 7, 6 + len(entries), channel, len(entries)) + entries)
+            data = entries.astype("<u8").tobytes()
+            self._write(struct.pack("<BQHI", 7, 6 + len(data), channel, len(data)) + data)
         self._chunks.append(
             ChunkIndex(
                 chunk_length=end - start,
@@ -178,11 +200,9 @@ class Container:
                 uncompressed_size=len(plain),
             )
         )
-        self._new_chunk()
 
     def attachment(self, name: str, media_type: str, data: bytes) -> None:
         """Write an attachment (with its own CRC)."""
-        self._close_chunk()
         start = self._offset
         made = Attachment(create_time=0, log_time=0, name=name, media_type=media_type, data=data)
         self._write(_packed(made))
@@ -190,23 +210,26 @@ class Container:
 
     def metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Write a metadata record."""
-        self._close_chunk()
         start = self._offset
         self._write(_packed(Metadata(name=name, metadata=dict(values))))
         self._metadata.append(MetadataIndex(start, self._offset - start, name))
 
     def finish(self) -> None:
-        """Close the last chunk and write the summary section."""
-        self._close_chunk()
+        """Write the chunks and the summary section."""
+        self._write_chunks()
+        self.close()
         self._write(_packed(DataEnd(self._crc)))
+        counts = {channel: waiting.count for channel, waiting in self._waiting.items()}
+        # Ordered by time: the first chunk with a message begins where the log does, the last ends where it does.
+        times = [(chunk.message_start_time, chunk.message_end_time) for chunk in self._chunks]
         statistics = Statistics(
             attachment_count=len(self._attachments),
             channel_count=len(self._channels),
-            channel_message_counts=dict(self._counts),
+            channel_message_counts=counts,
             chunk_count=len(self._chunks),
-            message_count=sum(self._counts.values()),
-            message_end_time=self._last,
-            message_start_time=self._first or 0,
+            message_count=sum(counts.values()),
+            message_end_time=times[-1][1] if times else 0,
+            message_start_time=times[0][0] if times else 0,
             metadata_count=len(self._metadata),
             schema_count=len(self._schemas),
         )
@@ -232,3 +255,13 @@ class Container:
         self._write(summary)
         self._write(_packed(Footer(start, offset_start, crc)))
         self._write(MAGIC)
+
+
+def _stretches(rows: Mapping[int, tuple[np.ndarray, np.ndarray, np.ndarray]], size: int) -> list[tuple[int, int]]:
+    """Split the time of all messages into stretches ``first <= t < last`` of about `size` bytes each."""
+    times = np.concatenate([row[0] for row in rows.values()])
+    order = np.argsort(times, kind="stable")
+    filled = np.cumsum(np.concatenate([row[2] for row in rows.values()])[order])
+    begins = np.flatnonzero(np.diff((filled - 1) // size, prepend=-1))
+    edges = [int(edge) for edge in np.unique(times[order][begins])]
+    return list(zip(edges, [*edges[1:], int(times.max()) + 1], strict=True))

@@ -58,7 +58,10 @@ LAYOUT = Layout(
                     Plot(
                         "Thrust [N]",
                         _lines("/chaser/thrust", label="f{}"),
-                        bounds=(Bound("thrust_xy", "bound x, y"), Bound("thrust_z", "bound z")),
+                        bounds=(
+                            Bound("thrust_xy", "fx, fy at most 40 N", "axis_1"),
+                            Bound("thrust_z", "fz at most 20 N", "axis_3"),
+                        ),
                     ),
                     Plot("Estimation error [m]", (Line("/observer/error", "norm", "norm", "magnitude"),)),
                     shares=(2, 2, 1),
@@ -114,14 +117,14 @@ def write_demo(path: Path, *, samples: int = 3001) -> Path:
         log.bound("thrust_xy", "N", lower=-40.0, upper=40.0)
         log.bound("thrust_z", "N", lower=-20.0, upper=20.0)
         log.event(0.0, "start", "5 km from the target, observer starts with an error of 1 km")
-        log.extreme("peak_fx", time[peak], thrust[peak, 0], "N")
+        log.extreme("peak_fx", time[peak], thrust[peak, 0], "N", limit=35.0)
         log.event(near, "near", "range stays below 500 m", "info")
         log.event(3000.0, "end", "end of the run")
         log.summary("impulse", float(np.trapezoid(np.linalg.norm(thrust, axis=1), time)), "N s")
         log.transform("lvlh", "chaser", time, position, turn)
         log.line("path", "lvlh", position, "truth")
         log.marker("target", "lvlh", (0.0, 0.0, 0.0), 300.0, "target", label="target")
-        log.axes("lvlh", 1600.0, labels=("x radial", "y along track", "z across"))
+        log.axes("lvlh", 2000.0, labels=("x radial", "y along track", "z across"), name="LVLH")
         log.axes("chaser", 1100.0, labels=("", "", ""))
         log.body("chaser", "chaser", body, time, wing[:, None])
         # Thrust is given in LVLH axes: a frame that moves with the chaser but keeps them.

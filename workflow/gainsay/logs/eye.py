@@ -1,50 +1,76 @@
 """Where the camera of a scene stands."""
 
-import math
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from gainsay.logs.layout import Scene
 from gainsay.logs.reader import Log
 
-_DIRECTION = (0.64, -0.62, 0.46)  # a little off the diagonal, so that no two axes fall onto each other
+#: half the angle that a square picture shows, rad: a little less than the narrower of the viewers' own
+_HALF_ANGLE = 0.38
 
 
-def eye_of(scene: Scene, log: Log) -> tuple[float, float, float]:
-    """Place of the camera in the frame of the scene, m: as declared, or so far off that all that is drawn is seen."""
-    if scene.eye is not None:
-        return scene.eye
-    shift = _shifts(log)
-    reach = 0.0
+class Eye(NamedTuple):
+    """Place of the camera and the point it looks at, m, in the frame of the scene."""
+
+    place: tuple[float, float, float]
+    target: tuple[float, float, float]
+
+
+def eye_of(scene: Scene, log: Log) -> Eye:
+    """Return a camera that sees all that is drawn at any time.
+
+    It looks at the middle of the box around everything, or at the frame that it follows.
+    """
+    shifts = _shifts(log)
+    points = []
     for topic in scene.topics:
-        for _, message in log.messages(topic)[:1]:
+        for _, message in log.messages(topic):
             for entity in message.entities:
-                extent = max((math.hypot(*point) for point in _points(entity)), default=0.0)
-                moves = entity.frame_id not in (scene.frame, scene.follow)
-                reach = max(reach, extent + (shift.get(entity.frame_id, 0.0) if moves else 0.0))
-    x, y, z = (1.7 * (reach or 1.0) * part for part in _DIRECTION)
-    return x, y, z
+                drawn = np.array(list(_points(entity))).reshape(-1, 3)
+                moved = shifts.get(entity.frame_id) if entity.frame_id not in (scene.frame, scene.follow) else None
+                points += [drawn] if moved is None else [drawn + low_or_high for low_or_high in moved]
+    around = np.concatenate([np.zeros((1, 3)), *points])
+    low, high = around.min(axis=0), around.max(axis=0)
+    middle = np.zeros(3) if scene.follow else 0.5 * (low + high)
+    reach = float(np.linalg.norm(around - middle, axis=1).max()) or 1.0
+    direction = np.array(scene.direction) / np.linalg.norm(scene.direction)
+    place = middle + reach / np.sin(_HALF_ANGLE) * direction
+    return Eye(tuple(place.tolist()), tuple(middle.tolist()))
 
 
-def _shifts(log: Log) -> dict[str, float]:
-    """Farthest that each frame goes from its parent, m."""
-    found: dict[str, float] = {}
+def _shifts(log: Log) -> dict[str, np.ndarray]:
+    """Places (N, 3) of the origin of each frame in its parent at the corners of the box that it moves in, m."""
+    found: dict[str, np.ndarray] = {}
     for topic in log.topics:
         if log.kind(topic) == "transforms":
+            moved: dict[str, list[tuple[float, float, float]]] = {}
             for _, message in log.messages(topic):
                 for turn in message.transforms:
-                    away = math.hypot(turn.translation.x, turn.translation.y, turn.translation.z)
-                    found[turn.child_frame_id] = max(found.get(turn.child_frame_id, 0.0), away)
+                    place = (turn.translation.x, turn.translation.y, turn.translation.z)
+                    moved.setdefault(turn.child_frame_id, []).append(place)
+            for frame, places in moved.items():
+                every = np.array(places)
+                rows = np.unique([*every.argmin(axis=0), *every.argmax(axis=0)])
+                found[frame] = every[rows]
     return found
 
 
 def _points(entity: Any) -> Iterator[tuple[float, float, float]]:
-    """Points that an entity reaches."""
+    """Points that an entity reaches: those of a ball around an arrow or a solid, since its frame may turn."""
     for drawn in (*entity.lines, *entity.triangles):
         yield from ((point.x, point.y, point.z) for point in drawn.points)
     for arrow in entity.arrows:
-        place = arrow.pose.position
-        yield (math.hypot(place.x, place.y, place.z) + arrow.shaft_length + arrow.head_length, 0.0, 0.0)
+        place, length = arrow.pose.position, arrow.shaft_length + arrow.head_length
+        yield from _ball(place, length)
     for solid in (*entity.cubes, *entity.spheres):
-        place = solid.pose.position
-        yield (abs(place.x) + solid.size.x / 2, abs(place.y) + solid.size.y / 2, abs(place.z) + solid.size.z / 2)
+        yield from _ball(solid.pose.position, 0.5 * max(solid.size.x, solid.size.y, solid.size.z))
+
+
+def _ball(place: Any, radius: float) -> Iterator[tuple[float, float, float]]:
+    for sign in (-radius, radius):
+        yield place.x + sign, place.y, place.z
+        yield place.x, place.y + sign, place.z
+        yield place.x, place.y, place.z + sign

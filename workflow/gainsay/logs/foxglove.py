@@ -6,7 +6,7 @@ Text pages are left out: the open viewers have no panel for text.
 import json
 from math import acos, atan2, degrees, hypot
 
-from gainsay.logs.eye import eye_of
+from gainsay.logs.eye import Eye, eye_of
 from gainsay.logs.layout import (
     Columns,
     EventLog,
@@ -19,8 +19,9 @@ from gainsay.logs.layout import (
     Scene,
     Text,
     bound_lines,
+    playback_speed,
 )
-from gainsay.logs.palette import role
+from gainsay.logs.palette import on_both, role
 from gainsay.logs.reader import Log
 
 
@@ -43,14 +44,15 @@ class _Builder:
         self.panels: dict[str, dict] = {}
 
     def build(self, layout: Layout) -> dict:
-        trees = [(tab.title, self.tree(tab.content)) for tab in layout.tabs]
+        named = [f"{layout.name} {self.log.path.stem}: {layout.tabs[0].title}", *(tab.title for tab in layout.tabs[1:])]
+        trees = [(title, self.tree(tab.content)) for title, tab in zip(named, layout.tabs, strict=True)]
         tabs = [{"title": title, "layout": tree} for title, tree in trees if tree is not None]
         top = self.add("Tab", {"activeTabIdx": 0, "tabs": tabs})
         return {
             "configById": self.panels,
             "globalVariables": {},
             "userNodes": {},
-            "playbackConfig": {"speed": 5 if self.duration > 60.0 else 1},
+            "playbackConfig": {"speed": playback_speed(self.duration)},
             "layout": top,
         }
 
@@ -99,7 +101,8 @@ class _Builder:
             "paths": [self.path(line) for line in (*plot.lines, *bound_lines(plot, self.sides))],
             "xAxisVal": "timestamp",
             "showLegend": True,
-            "legendDisplay": "floating",
+            "legendDisplay": "left",
+            "sidebarDimension": 170,
             "isSynced": True,
             "showXAxisLabels": True,
             "showYAxisLabels": True,
@@ -114,7 +117,7 @@ class _Builder:
             "enabled": True,
             "timestampMethod": "receiveTime",
             "label": line.label,
-            "color": role(line.role).on_dark,
+            "color": "#{:02x}{:02x}{:02x}".format(*on_both(line.role)),  # the ground is the user's choice
             "lineSize": 1.2 * role(line.role).width,
             "showLine": True,
         }
@@ -135,16 +138,16 @@ class _Builder:
         }
 
 
-def _camera(eye: tuple[float, float, float]) -> dict:
-    """Camera state for an eye that looks at the origin, z up."""
-    x, y, z = eye
+def _camera(eye: Eye) -> dict:
+    """Camera state for an eye, z up."""
+    x, y, z = (place - target for place, target in zip(eye.place, eye.target, strict=True))
     distance = hypot(x, y, z)
     return {
         "perspective": True,
         "distance": distance,
         "phi": degrees(acos(z / distance)),
         "thetaOffset": degrees(atan2(-x, -y)),
-        "targetOffset": [0, 0, 0],
+        "targetOffset": list(eye.target),
         "target": [0, 0, 0],
         "targetOrientation": [0, 0, 0, 1],
         "fovy": 45,

@@ -5,8 +5,9 @@ A `Layout` is a row of tabs. A tab holds one panel, or panels in `Rows` and `Col
 """
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import TypeAlias
 
 from gainsay.errors import InputError
@@ -36,10 +37,29 @@ class Line:
 
 @dataclass(frozen=True)
 class Bound:
-    """A bound of a plot: name of a bound that the run logs with `LogWriter.bound`, and its label."""
+    """A bound of a plot.
+
+    Attributes
+    ----------
+    name : str
+        A bound that the run logs with `LogWriter.bound`.
+    label : str
+        What the legend says.
+    role : str
+        Colour: that of the curve that it bounds.
+    sides : tuple of str
+        ``lower``, ``upper``; by default those that the run logs. A norm has no lower bound.
+    """
 
     name: str
     label: str = ""
+    role: str = "bound"
+    sides: tuple[str, ...] = ("lower", "upper")
+
+    def __post_init__(self) -> None:
+        known_role(self.role)
+        if not self.sides or not set(self.sides) <= {"lower", "upper"}:
+            raise InputError(f"sides of bound {self.name}", value=self.sides, expected="lower, upper or both")
 
 
 @dataclass(frozen=True)
@@ -92,8 +112,9 @@ class Scene:
         Frames whose axes are shown; the log draws them with `LogWriter.axes`.
     follow : str
         Frame that the camera follows, where one moves far; by default none.
-    eye : tuple of 3 floats, optional
-        Place of the camera in `frame`, m; it looks at the origin. By default all is seen, obliquely from above.
+    direction : tuple of 3 floats
+        Direction in `frame` from what is drawn to the camera, which stands so far off that all is seen; by default
+        obliquely from above, a little off the diagonal, so that no two axes fall onto each other.
     """
 
     title: str
@@ -101,7 +122,7 @@ class Scene:
     elements: tuple[str, ...] = ()
     axes: tuple[str, ...] = ()
     follow: str = ""
-    eye: tuple[float, float, float] | None = None
+    direction: tuple[float, float, float] = (0.64, -0.62, 0.46)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "elements", tuple(self.elements))
@@ -190,10 +211,13 @@ class Layout:
         Name of the paper, ``[a-z0-9_]+``; part of the application id in Rerun.
     tabs : tuple of Tab
         The first one is open.
+    look : mapping of str to str
+        What to look at in a run, a sentence or two; under the empty name for every run that has none of its own.
     """
 
     name: str
     tabs: tuple[Tab, ...]
+    look: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tabs", tuple(self.tabs))
@@ -202,9 +226,21 @@ class Layout:
         if not re.fullmatch("[a-z0-9_]+", self.name):
             raise InputError("name of a layout", value=self.name, expected="lower-case letters, digits, underscores")
 
-    def for_run(self, run: str) -> "Layout":
-        """Return the layout with the tabs that `run` has."""
-        return replace(self, tabs=tuple(tab for tab in self.tabs if not tab.runs or run in tab.runs))
+    def for_run(self, run: str, about: Mapping[str, str] = MappingProxyType({})) -> "Layout":
+        """Return the layout with the tabs that `run` has, its name, what it is and what to look at above the first.
+
+        Parameters
+        ----------
+        run : str
+        about : mapping of str to str
+            Metadata of its log: ``about`` says what the run is, ``title`` what the paper.
+        """
+        tabs = [tab for tab in self.tabs if not tab.runs or run in tab.runs]
+        if tabs and about.get("about"):
+            look = self.look.get(run, self.look.get("", ""))
+            text = f"**{self.name}, run {run}**: {about['about']}. *{about.get('title', '')}*\n\n{look}\n"
+            tabs[0] = replace(tabs[0], content=Rows(Text("Run", text), tabs[0].content, shares=(1, 9)))
+        return replace(self, tabs=tuple(tabs))
 
     def panels(self) -> Iterator[Panel]:
         """Every panel, in the order of the tabs."""
@@ -231,10 +267,24 @@ def bound_lines(plot: Plot, fields: dict[str, tuple[str, ...]]) -> list[Line]:
     """
     lines = []
     for bound in plot.bounds:
-        for side in fields.get(bound.name, ("lower", "upper")):
-            label = f"{bound.label or bound.name} ({side})"
-            lines.append(Line(f"/bounds/{bound.name}", side, label, "bound"))
+        logged = fields.get(bound.name, bound.sides)
+        sides = [side for side in bound.sides if side in logged]
+        for side in sides:
+            label = bound.label or bound.name
+            lines.append(
+                Line(f"/bounds/{bound.name}", side, f"{label} ({side})" if len(sides) > 1 else label, bound.role)
+            )
     return lines
+
+
+def playback_speed(duration: float) -> float:
+    """Speed at which a run takes about half a minute: 1, 2 or 5 times a power of ten."""
+    speed, steps = 1.0, (2.0, 2.5, 2.0)
+    for step in range(30):
+        if duration / speed <= 30.0:
+            break
+        speed *= steps[step % 3]
+    return speed
 
 
 EVENT_TOPIC = EVENTS

@@ -41,11 +41,11 @@ _ALL = (
     Role("axis_2", "second component: y, pitch", "#d55e00", "#f07f2e"),
     Role("axis_3", "third component: z, yaw", "#009e73", "#1fc497"),
     Role("axis_4", "fourth component: scalar part of a quaternion", "#cc79a7", "#e09bc4"),
-    Role("axis_1_estimate", "estimate of the first component", "#7db8dd", "#a9d6f5", "dashed", 0.5),
-    Role("axis_2_estimate", "estimate of the second component", "#eeb184", "#f9c9a2", "dashed", 0.5),
-    Role("axis_3_estimate", "estimate of the third component", "#7fd0b8", "#a6ebd6", "dashed", 0.5),
+    Role("axis_1_estimate", "estimate of the first component", "#7db8dd", "#a9d6f5", "dashed", 0.35),
+    Role("axis_2_estimate", "estimate of the second component", "#eeb184", "#f9c9a2", "dashed", 0.35),
+    Role("axis_3_estimate", "estimate of the third component", "#7fd0b8", "#a6ebd6", "dashed", 0.35),
     Role("truth", "true state", "#1f1f1f", "#f0f0f0"),
-    Role("estimate", "observer's estimate", "#e69f00", "#ffc23d", "dashed", 0.5),
+    Role("estimate", "observer's estimate", "#e69f00", "#ffc23d", "dashed", 0.35),
     Role("magnitude", "Euclidean norm of a vector", "#1f1f1f", "#f0f0f0"),
     Role("nominal", "nominal plant", "#0072b2", "#3d9fe0"),
     Role("perturbed", "perturbed plant", "#d55e00", "#f07f2e"),
@@ -73,6 +73,24 @@ def role(name: str) -> Role:
         return ROLES[name]
     except KeyError:
         raise InputError("no such colour role", value=name, expected="one of " + ", ".join(ROLES)) from None
+
+
+def _linear(level: int) -> float:
+    part = level / 255.0
+    return part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
+
+
+def on_both(name: str) -> tuple[int, int, int]:
+    """Colour of a role that stands out 3:1 both from white and from the dark ground, for what has one colour in both.
+
+    The colour on white, lightened or darkened to a relative luminance within 0.14 to 0.29 (WCAG 2.1, section 1.4.3).
+    """
+    red, green, blue = (_linear(level) for level in rgb(name, dark=False))
+    light = 0.2126 * red + 0.7152 * green + 0.0722 * blue
+    factor = min(max(light, 0.14), 0.29) / light
+    made = [min(1.0, factor * part) for part in (red, green, blue)]
+    levels = [12.92 * part if part <= 0.0031308 else 1.055 * part ** (1 / 2.4) - 0.055 for part in made]
+    return round(255 * levels[0]), round(255 * levels[1]), round(255 * levels[2])
 
 
 def rgb(name: str, *, dark: bool = True) -> tuple[int, int, int]:

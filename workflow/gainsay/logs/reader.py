@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from google.protobuf.message import DecodeError
@@ -80,6 +80,23 @@ class Event:
     level: str
 
 
+class Extreme(NamedTuple):
+    """A located extreme.
+
+    Attributes
+    ----------
+    time : float
+        Where it is, s.
+    value : float
+    second : float
+        The value by a second method; NaN where there is none.
+    """
+
+    time: float
+    value: float
+    second: float
+
+
 class Log(Mapping[str, Signal]):
     """Contents of one log: a mapping from topic to `Signal`.
 
@@ -89,8 +106,8 @@ class Log(Mapping[str, Signal]):
     metadata : mapping of str to str
         Provenance.
     attachments : mapping of str to bytes
-    extremes : mapping of str to (float, float)
-        Time and value of each located extreme.
+    extremes : mapping of str to Extreme
+        Every located extreme.
     summaries : mapping of str to float
         Numbers logged at the end.
     bounds : mapping of str to mapping
@@ -105,12 +122,19 @@ class Log(Mapping[str, Signal]):
         self._signals = {topic: self._signal(raw) for topic, raw in self._raw.items() if raw.width is not None}
         self.extremes = MappingProxyType(
             {
-                topic.removeprefix("/extremes/"): (float(found.time[0]), float(found.values[0, 0]))
-                for topic, found in self._of_kind("extreme")
+                name: Extreme(time, value, second)
+                for _, found in self._of_kind("extreme")
+                for name, value, time, second in zip(
+                    found.fields[::3], *(found.values[0, start::3].tolist() for start in range(3)), strict=True
+                )
             }
         )
         self.summaries = MappingProxyType(
-            {topic.removeprefix("/summary/"): float(found.values[0, 0]) for topic, found in self._of_kind("summary")}
+            {
+                name: value
+                for _, found in self._of_kind("summary")
+                for name, value in zip(found.fields, found.values[0].tolist(), strict=True)
+            }
         )
         self.bounds = MappingProxyType(
             {

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from gainsay.errors import InputError
-from gainsay.logs.palette import rgb
+from gainsay.logs.palette import on_both
 from gainsay.logs.schemas import check_name, foxglove_class
 
 UPDATES = 400
@@ -92,7 +92,7 @@ def _entity(frame: str) -> Any:
 
 
 def _colour(into: Any, role: str, alpha: float = 1.0) -> None:
-    into.r, into.g, into.b = (level / 255.0 for level in rgb(role))
+    into.r, into.g, into.b = (level / 255.0 for level in on_both(role))
     into.a = alpha
 
 
@@ -129,10 +129,7 @@ def marker(frame: str, position: object, size: float, role: str, label: str) -> 
     _vector(ball.size, [size] * 3)
     _colour(ball.color, role)
     if label:
-        text = made.texts.add(billboard=True, font_size=14.0, scale_invariant=True, text=label)
-        _vector(text.pose.position, place + np.array([0.0, 0.0, size]))
-        text.pose.orientation.w = 1.0
-        _colour(text.color, role)
+        _text(made, place + np.array([0.0, 0.0, size]), label, role, 14.0)
     return made
 
 
@@ -162,19 +159,29 @@ def arrow(frame: str, origin: object, vector: np.ndarray, role: str) -> Any:
     return made
 
 
-def axes(frame: str, length: float, labels: tuple[str, str, str]) -> Any:
-    """Entity of the three axes of a frame, coloured as the components of vectors are."""
+def axes(frame: str, length: float, labels: tuple[str, str, str], name: str) -> Any:
+    """Entity of the three axes of a frame, coloured as the components of vectors are; they are the scale too."""
     made = _entity(frame)
     for number, label in enumerate(labels):
         tip = np.zeros(3)
         tip[number] = float(length)
         _arrow(made, (0.0, 0.0, 0.0), tip, f"axis_{number + 1}")
         if label:
-            text = made.texts.add(billboard=True, font_size=12.0, scale_invariant=True, text=label)
-            _vector(text.pose.position, 1.08 * tip)
-            text.pose.orientation.w = 1.0
-            _colour(text.color, f"axis_{number + 1}")
+            _text(made, 1.08 * tip, label, f"axis_{number + 1}", 12.0)
+    if name:
+        _text(made, np.array([0.0, 0.0, -0.45 * length]), f"{name}, axes {_length(length)}", "body", 12.0)
     return made
+
+
+def _length(length: float) -> str:
+    return f"{length / 1e3:g} km" if length >= 1e3 else f"{length:g} m"
+
+
+def _text(made: Any, place: np.ndarray, words: str, role: str, size: float) -> None:
+    text = made.texts.add(billboard=True, font_size=size, scale_invariant=True, text=words)
+    _vector(text.pose.position, place)
+    text.pose.orientation.w = 1.0
+    _colour(text.color, role)
 
 
 def plate(appendage: Appendage, modal: np.ndarray) -> np.ndarray:

@@ -39,7 +39,7 @@ def write_views(mcap: Path, layout: Layout) -> list[Path]:
     """
     mcap = Path(mcap)
     log = read_log(mcap)
-    fitted = layout.for_run(mcap.stem)
+    fitted = layout.for_run(mcap.stem, log.metadata)
     check_layout(fitted, log)
     rrd, foxglove = mcap.with_suffix(".rrd"), mcap.with_suffix(FOXGLOVE_SUFFIX)
     part = foxglove.with_name(f".{foxglove.name}.part")

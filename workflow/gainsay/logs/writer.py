@@ -10,16 +10,34 @@ from typing import Self
 import numpy as np
 
 from gainsay.errors import InputError
-from gainsay.logs import scene, schemas
+from gainsay.logs import schemas
 from gainsay.logs.container import Container
+from gainsay.logs.elements import Elements
 from gainsay.logs.frames import transform_block
 
 PROVENANCE = "gainsay.provenance"
 EVENTS = "/events"
+EXTREMES = "/extremes"
+SUMMARY = "/summary"
 LEVELS = ("unknown", "debug", "info", "warning", "error", "fatal")
 LAST_TIME = 9.2e9  # seconds; nanoseconds must fit into 63 bits
 _MEDIA = {".csv": "text/csv", ".toml": "application/toml", ".json": "application/json", ".md": "text/markdown"}
 _ROWS = 1 << 16  # rows encoded at once, which bounds the memory of a call
+
+
+#: (unit of a signal, unit of plots) -> factor
+SHOWN = {
+    ("rad", "deg"): 180.0 / math.pi,
+    ("rad", "mrad"): 1e3,
+    ("rad/s", "deg/s"): 180.0 / math.pi,
+    ("rad/s", "mrad/s"): 1e3,
+    ("N m", "mN m"): 1e3,
+}
+
+
+def shown_topic(topic: str, unit: str) -> str:
+    """Topic of a signal in the unit of plots, such as ``/attitude/rates_deg_s``."""
+    return f"{topic}_{unit.replace('/', '_').replace(' ', '_')}"
 
 
 def nanoseconds(time: np.ndarray) -> np.ndarray:
@@ -27,7 +45,7 @@ def nanoseconds(time: np.ndarray) -> np.ndarray:
     return np.rint(np.asarray(time, dtype=float) * 1e9).astype(np.uint64)
 
 
-class LogWriter:
+class LogWriter(Elements):
     """Writes one run as an MCAP file; a context manager.
 
     The file appears under its name when the block ends well; on any exception it is removed. Equal calls give equal
@@ -72,6 +90,7 @@ class LogWriter:
         self._end = 0.0
         self._bounds: dict[str, tuple[dict[str, str], list[float]]] = {}
         self._summaries: dict[str, tuple[float, str]] = {}
+        self._extremes: dict[str, tuple[str, float, float, float]] = {}
         self._events: list[tuple[int, bytes]] = []
         self._out: Container | None = None
 
@@ -99,8 +118,11 @@ class LogWriter:
                 self._out.message(self._topics[EVENTS][0], time_ns, data)
             for name, (units, values) in self._bounds.items():
                 self._numbers(f"/bounds/{name}", units, "bound", [self._end], [values])
-            for name, (value, unit) in self._summaries.items():
-                self._numbers(f"/summary/{name}", {"value": unit}, "summary", [self._end], [[value]])
+            self._write_extremes()
+            if self._summaries:
+                units = {name: unit for name, (_, unit) in self._summaries.items()}
+                values = [value for value, _ in self._summaries.values()]
+                self._numbers(SUMMARY, units, "summary", [self._end], [values])
             self._out.finish()
             self._stream.close()
             self._part.replace(self.path)
@@ -111,6 +133,8 @@ class LogWriter:
             self._out = None
 
     def _discard(self) -> None:
+        if self._out is not None:
+            self._out.close()
         self._out = None
         self._stream.close()
         self._part.unlink(missing_ok=True)
@@ -178,7 +202,9 @@ class LogWriter:
                 block[f"v{column + 2}"] = data[some, column]
             self._out.records(channel, block)
 
-    def signal(self, topic: str, fields: Mapping[str, str], time: object, values: object) -> None:
+    def signal(
+        self, topic: str, fields: Mapping[str, str], time: object, values: object, *, shown: str | None = None
+    ) -> None:
         """Log a block of samples; consecutive blocks of one topic may follow each other.
 
         Parameters
@@ -191,8 +217,17 @@ class LogWriter:
             Seconds from the simulation's zero, not decreasing.
         values : (N, k) array_like
             One column for each component; every double comes back bit for bit.
+        shown : str, optional
+            Another unit, that of plots: the same samples are logged in it too, on ``<topic>_<unit>``. Viewers do not
+            convert; no quantity is computed from these.
         """
         self._numbers(topic, fields, "signal", time, values)
+        if shown is not None:
+            units = set(fields.values())
+            if len(units) != 1 or (factor := SHOWN.get((*units, shown))) is None:
+                raise InputError(f"unit of {topic} for plots", value=shown, expected=f"one made of {sorted(units)}")
+            data = factor * np.asarray(values, dtype=float)
+            self._numbers(shown_topic(topic, shown), dict.fromkeys(fields, shown), "shown", time, data)
 
     def event(self, time: float, name: str, text: str, level: str = "info") -> None:
         """Log an event for the text log of the viewers (``foxglove.Log``); its time is kept to the nanosecond."""
@@ -211,16 +246,58 @@ class LogWriter:
         self._end = max(self._end, float(time))
         return int(nanoseconds(np.array([time]))[0])
 
-    def extreme(self, name: str, time: float, value: float, unit: str) -> None:
-        """Log a located extreme: exact doubles on ``/extremes/<name>`` and an event that tells of it."""
-        topic = f"/extremes/{name}"
-        if topic in self._topics:
+    def extreme(
+        self,
+        name: str,
+        time: float,
+        value: float,
+        unit: str,
+        *,
+        second: float = math.nan,
+        limit: float | None = None,
+    ) -> None:
+        """Log a located extreme: exact doubles on ``/extremes`` at the end of the log, and an event that tells of it.
+
+        Parameters
+        ----------
+        name : str
+            Its fields are ``<name>``, ``<name>_time`` and ``<name>_second``.
+        time, value : float
+            Where it is, s, and what it is, in `unit`.
+        unit : str
+        second : float, optional
+            The value by a second method.
+        limit : float, optional
+            A limit of the modulus: where it is passed the event is a warning that says so.
+        """
+        schemas.check_name(name, "extreme")
+        if name in self._extremes:
             raise InputError("extreme logged twice", value=name, expected="each once")
-        self._numbers(topic, {"value": unit}, "extreme", [float(time)], [[float(value)]])
-        self.event(time, name, f"extreme {name}: {value:.6g} {unit} at {time:.6g} s")
+        self._extremes[name] = (unit, float(value), float(time), float(second))
+        text = f"extreme {name}: {value:.6g} {unit} at {time:.6g} s"
+        passed = limit is not None and not abs(value) <= limit
+        self.event(
+            time, name, f"{text}, beyond the limit of {limit:.6g} {unit}" if passed else text,
+            level="warning" if passed else "info",
+        )  # fmt: skip
+
+    def _write_extremes(self) -> None:
+        units, values = {}, []
+        for name, (unit, value, time, second) in self._extremes.items():
+            for field, number, of in (
+                (name, value, unit),
+                (f"{name}_time", time, "s"),
+                (f"{name}_second", second, unit),
+            ):
+                if field in units:
+                    raise InputError("field of an extreme twice", value=field, expected="another name")
+                units[field] = of
+                values.append(number)
+        if units:
+            self._numbers(EXTREMES, units, "extreme", [self._end], [values])
 
     def summary(self, name: str, value: float, unit: str) -> None:
-        """Log a number known only at the end, on ``/summary/<name>`` at the last time of the log."""
+        """Log a number known only at the end, as a field of ``/summary`` at the last time of the log."""
         schemas.check_name(name, "summary")
         if name in self._summaries:
             raise InputError("summary logged twice", value=name, expected="each once")
@@ -281,76 +358,3 @@ class LogWriter:
         entity.timestamp.seconds, entity.timestamp.nanos = divmod(time_ns, 10**9)
         update = schemas.foxglove_class("SceneUpdate")(entities=[entity])
         self._out.message(channel, time_ns, update.SerializeToString(deterministic=True))
-
-    def line(self, name: str, frame: str, points: object, role: str, *, time: float = 0.0, width: float = 2.0) -> None:
-        """Draw a curve through `points` (N, 3), m, in `frame` from `time` on; `width` in pixels."""
-        self._scene(name, time, scene.line(frame, points, role, width))
-
-    def marker(self, name: str, frame: str, position: object, size: float, role: str, *, label: str = "") -> None:
-        """Draw a ball of diameter `size`, m, at `position` (3,) of `frame`, with a label."""
-        self._scene(name, 0.0, scene.marker(frame, position, size, role, label))
-
-    def axes(self, frame: str, length: float, *, labels: tuple[str, str, str] = ("x", "y", "z")) -> None:
-        """Draw the axes of `frame`, `length` m long, as element ``axes_<frame>``."""
-        self._scene(f"axes_{frame}", 0.0, scene.axes(frame, length, labels))
-
-    def arrows(
-        self,
-        name: str,
-        frame: str,
-        time: object,
-        vectors: object,
-        scale: float,
-        role: str,
-        *,
-        origin: object = (0, 0, 0),
-    ) -> None:
-        """Draw a vector over time, at most `scene.UPDATES` of the samples evenly chosen.
-
-        Parameters
-        ----------
-        name, frame : str
-            Name of the element; frame of its components.
-        time : (N,) array_like
-            Seconds.
-        vectors : (N, 3) array_like
-            Thrust, torque or the like.
-        scale : float
-            Metres drawn for one unit of the vector.
-        role : str
-            Colour role.
-        origin : (3,) array_like
-            Foot of the arrow in `frame`, m.
-        """
-        clock = np.asarray(time, dtype=float)
-        arrows = np.asarray(vectors, dtype=float)
-        if arrows.shape != (len(clock), 3):
-            raise InputError(f"vectors of {name} have shape", value=arrows.shape, expected=f"({len(clock)}, 3)")
-        for row in scene.chosen(len(clock)):
-            self._scene(name, clock[row], scene.arrow(frame, origin, arrows[row] * scale, role))
-
-    def body(
-        self, name: str, frame: str, body: "scene.Body", time: object = (0.0,), modal: object | None = None
-    ) -> None:
-        """Draw a spacecraft body in its own `frame`, its appendages deflected by modal coordinates.
-
-        Parameters
-        ----------
-        name, frame : str
-            Name of the element; the body frame, which `transform` moves.
-        body : Body
-            Box and appendages.
-        time : (N,) array_like
-            Seconds.
-        modal : (N, m) array_like, optional
-            Modal coordinates over time; zero by default. At most `scene.UPDATES` of the samples are drawn.
-        """
-        clock = np.asarray(time, dtype=float)
-        modes = max((len(appendage.tip) for appendage in body.appendages), default=0)
-        shapes = np.zeros((len(clock), modes)) if modal is None else np.asarray(modal, dtype=float)
-        if shapes.ndim != 2 or len(shapes) != len(clock) or shapes.shape[1] < modes:
-            raise InputError(
-                f"modal coordinates of {name} have shape", value=shapes.shape, expected=f"({len(clock)}, {modes})"
-            )
-        for row in scene.chosen(len(clock)):
-            self._scene(name, clock[row], scene.body(frame, body, shapes[row]))
