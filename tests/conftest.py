@@ -47,13 +47,14 @@ audit.other,m,audit,another length
 audit.holds,1,audit,whether it holds
 run.peak,N,simulation,a peak
 """,
-    "papers/toy/claims.csv": """id,where,kind,statement,comparator,quantity,published,unit,tolerance,expected,basis,note
-length,(1),parameter,it is 1.50 m,equal,audit.length,1.50,m,,reproduced,by hand,
-bound,(2),norm-bound,it is at most 2 m,at_most,audit.other,2,m,,reproduced,by hand,
-lmi,(3),feasibility,it is feasible,feasible,audit.holds,,1,,reproduced,by hand,
-peak,Figure 1,trajectory,it peaks below 40 N,at_most,run.peak,40,N,,reproduced,by hand,
-both,(2),norm-bound,both hold,all_of,bound lmi,,1,,reproduced,by hand,
-talk,Section 1,remark,it is the best,,,,1,,uncheckable,nothing to compare with,
+    "papers/toy/claims.csv": "id,where,kind,statement,comparator,quantity,published,unit,tolerance,expected,basis,note,"
+    """weight,ocr
+length,(1),parameter,it is 1.50 m,equal,audit.length,1.50,m,,reproduced,by hand,,,
+bound,(2),norm-bound,it is at most 2 m,at_most,audit.other,2,m,,reproduced,by hand,,,
+lmi,(3),feasibility,it is feasible,feasible,audit.holds,,1,,reproduced,by hand,,,
+peak,Figure 1,trajectory,it peaks below 40 N,at_most,run.peak,40,N,,reproduced,by hand,,,
+both,(2),norm-bound,both hold,all_of,bound lmi,,1,,reproduced,by hand,,,
+talk,Section 1,remark,it is the best,,,,1,,uncheckable,nothing to compare with,,,
 """,
     "papers/toy/errata.csv": """id,where,printed,corrected,effect,witness
 sign,(1),+,-,none,audit.length

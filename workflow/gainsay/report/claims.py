@@ -16,11 +16,7 @@ from gainsay.tables.units import to_si
 from gainsay.verdicts.outcome import Outcome
 
 #: order in which a reader wants them: what broke and what does not hold come first
-ORDER = tuple(
-    verdict
-    for verdict in ("failed", "contradicted", "undetermined", "undecided", "reproduced", "uncheckable")
-    if verdict in VERDICTS
-)
+ORDER = ("failed", "contradicted", "undetermined", "undecided", "reproduced", "uncheckable")
 #: what a reader is told first
 AGAINST = ("failed", "contradicted", "undetermined", "undecided")
 #: a claim without a verdict yet
@@ -124,12 +120,12 @@ class ClaimView:
     @property
     def weight(self) -> str:
         """How much a contradiction weighs: ``result``, ``gap``, ``misprint``; empty where that is not said."""
-        return getattr(self.claim, "weight", "")
+        return self.claim.weight
 
     @property
     def given(self) -> str:
         """Condition under which the verdict stands."""
-        return getattr(self.claim, "given", "")
+        return self.claim.given
 
     @property
     def evidence(self) -> str:
@@ -228,7 +224,7 @@ def _claim_view(found: PaperResults, claim: Claim) -> ClaimView:
     quantities = tuple(quantity_view(found, name) for name in named if name in found.case.quantities)
     at_fault = [other for other in joins if found.verdicts.get(other, {}).get("verdict") == verdict]
     scan = found.scans.get(claim.id)
-    declared, truth = found.case.quantities.get(claim.quantity), is_truth(found, claim)
+    declared, truth = found.case.quantities.get(claim.quantity), is_truth(claim)
     return ClaimView(
         claim=claim,
         verdict=verdict,

@@ -52,7 +52,7 @@ class PaperPage:
     @property
     def finding(self) -> str:
         """What was found, in two sentences."""
-        return " ".join(getattr(self.case.paper, "finding", ()))
+        return " ".join(self.case.paper.finding)
 
     @property
     def record(self) -> str:

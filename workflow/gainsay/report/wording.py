@@ -22,20 +22,13 @@ _DIGITS_OF_INPUT = 4
 _FEW = 3
 
 
-def is_truth(found: PaperResults, claim: Claim) -> bool:
+def is_truth(claim: Claim) -> bool:
     """Whether what a claim is held against is a truth, not a number."""
-    if claim.comparator in _TRUTHS:
-        return True
-    if claim.comparator != "equal" or claim.published not in ("0", "1"):
-        return False
-    declared = found.case.quantities.get(claim.quantity)
-    asks = declared is not None and declared.meaning.startswith("whether")
-    return asks or claim.kind in ("identity", "definiteness", "feasibility")
+    return claim.comparator in _TRUTHS
 
 
 def _agrees(claim: Claim, recomputed: str) -> bool:
-    wanted = _TRUTHS[claim.comparator] if claim.comparator in _TRUTHS else float(claim.published)
-    return float(recomputed) == wanted
+    return float(recomputed) == _TRUTHS[claim.comparator]
 
 
 def _joined(found: PaperResults, claim: Claim) -> list[str]:
@@ -54,7 +47,7 @@ def published_value(found: PaperResults, claim: Claim) -> Markup:
         other = found.quantities.get(claim.published)
         bound = number(other["value"], other["unit"], digits=4) if other else escape("the other")
         return Markup("less than {}").format(bound)
-    if is_truth(found, claim):
+    if is_truth(claim):
         return escape("it holds")
     if not claim.published:
         return Markup("")
@@ -72,7 +65,7 @@ def found_value(found: PaperResults, claim: Claim, row: Row) -> Markup:
         held = verdicts.count("reproduced")
         return escape(("both hold" if held == 2 else f"all {held} hold") if held == len(verdicts)
                       else f"{held} of {len(verdicts)} hold") if row["verdict"] else Markup("")  # fmt: skip
-    if is_truth(found, claim) and text:
+    if is_truth(claim) and text:
         if claim.comparator in _OPPOSITE:
             return escape(claim.comparator if _agrees(claim, text) else _OPPOSITE[claim.comparator])
         return escape("it holds" if _agrees(claim, text) else "it does not hold")

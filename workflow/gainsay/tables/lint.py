@@ -17,6 +17,9 @@ PROVED = frozenset({
     "identity", "definiteness", "feasibility", "stability", "pole-region", "norm-bound", "cost-bound", "input-bound",
     "delay-margin",
 })  # fmt: skip
+#: kinds of which a claim may be a yes or no
+YES_OR_NO = frozenset({"identity", "definiteness", "feasibility", "stability", "pole-region"})
+_STATES = {"holds": "holds", "fails": "fails", "feasible": "is feasible", "infeasible": "is infeasible"}
 _ROW_OF_FIRST = 2
 
 
@@ -34,6 +37,19 @@ def published_ends(published: str) -> tuple[PrintedNumber, PrintedNumber]:
     return PrintedNumber(low), PrintedNumber(high)
 
 
+def thresholds(claim: Claim) -> tuple[PrintedNumber, PrintedNumber]:
+    """Return the smallest and the largest threshold of a claim: the same where the paper prints it.
+
+    Raises
+    ------
+    InputError
+        If the published value is neither a number nor, for at_most and at_least, a range.
+    """
+    if claim.comparator in ("at_most", "at_least") and ".." in claim.published:
+        return published_ends(claim.published)
+    return PrintedNumber(claim.published), PrintedNumber(claim.published)
+
+
 def _tolerance_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
     if not claim.tolerance:
         return
@@ -43,6 +59,95 @@ def _tolerance_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
         yield "tolerance", claim.tolerance, "a tolerance of at least 0"
     elif not claim.note:
         yield "note", claim.note, "the reason of the stated tolerance"
+
+
+def _yes_or_no_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
+    """Yield the faults of a claim on what holds or fails."""
+    if claim.comparator == "equal" and claim.published in ("0", "1") and claim.unit == "1" and claim.kind in YES_OR_NO:
+        word = "holds" if claim.published == "1" else "fails"
+        yield "comparator", "equal", f"{word}, without a published value, since a {claim.kind} is no number"
+    if claim.comparator in ("holds", "fails", "feasible", "infeasible"):
+        if claim.published:
+            yield "published", claim.published, f"nothing, since what {_STATES[claim.comparator]} has no value"
+        if claim.kind not in PROVED:
+            yield "kind", claim.kind, f"a kind that needs a proof, since only a proof says what {claim.comparator} is"
+
+
+def _reading_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
+    """Yield the faults of a threshold that the paper does not print: a range needs the source of its ends."""
+    ranged = claim.comparator in ("at_most", "at_least") and ".." in claim.published
+    if ranged and not claim.reading:
+        yield "reading", "", f"where the ends of the thresholds {claim.published} come from"
+    if claim.reading and not ranged:
+        yield "reading", claim.reading, "nothing, or a range of thresholds `low..high` in published"
+
+
+def _weight_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
+    """Yield the faults in the weight of what does not hold."""
+    for field in ("weight", "ocr"):
+        value = getattr(claim, field)
+        if claim.expected == "contradicted" and not value:
+            expected = "misprint, gap or result" if field == "weight" else "possible, excluded or open"
+            yield field, value, f"{expected}, since the claim does not hold"
+        if value and claim.expected in ("reproduced", "uncheckable"):
+            yield field, value, f"nothing, since the claim is {claim.expected}"
+
+
+def given_of(case: "Case", claim: Claim) -> dict[str, str]:
+    """Return the condition of a claim: name of what the paper leaves out -> value, as text.
+
+    Raises
+    ------
+    InputError
+        If it is no list of `name=value`.
+    """
+    found: dict[str, str] = {}
+    for part in claim.given.split(";") if claim.given else ():
+        name, sign, value = (word.strip() for word in part.partition("="))
+        if not sign or not value or name in found or name not in case.parameters:
+            expected = "`name=value; name=value`, each name once and in parameters.csv"
+            raise InputError("given", value=part.strip(), expected=expected)
+        found[name] = value
+    return found
+
+
+def _given_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
+    """Yield the faults of a condition: it names what the paper leaves out and a plausible value of it."""
+    try:
+        given = given_of(case, claim)
+    except InputError as error:
+        yield "given", str(error.value), error.expected
+        return
+    for name, value in given.items():
+        row = case.parameters[name]
+        if row.status != "assumed":
+            yield "given", name, "a parameter that the paper leaves out"
+        elif row.type == "choice" and value not in row.plausible.split("|"):
+            yield "given", f"{name}={value}", f"one of {row.plausible}"
+        elif row.type == "number" and not _is_plausible(value, row.plausible):
+            yield "given", f"{name}={value}", f"a number among the plausible values {row.plausible}"
+
+
+def _is_plausible(value: str, plausible: str) -> bool:
+    low, dots, high = plausible.partition("..")
+    try:
+        number = PrintedNumber(value).value
+    except InputError:
+        return False
+    if dots:
+        return PrintedNumber(low).value <= number <= PrintedNumber(high).value
+    return number in {PrintedNumber(part).value for part in plausible.split("|")}
+
+
+def _sentence_faults(case: "Case") -> Iterator[tuple[int, Claim, str]]:
+    """Yield row, claim and expectation where claims of one sentence stand in different places of the paper."""
+    first: dict[str, Claim] = {}
+    for row, claim in enumerate(case.claims.values(), start=_ROW_OF_FIRST):
+        if not claim.sentence:
+            continue
+        before = first.setdefault(claim.sentence, claim)
+        if before.where != claim.where:
+            yield row, claim, f"the place of {before.id}, {before.where}, since both speak of one sentence"
 
 
 def _joined_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
@@ -59,6 +164,9 @@ def _joined_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]
 def _claim_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
     """Yield field, value and expectation of every fault of a claim."""
     yield from _tolerance_faults(claim)
+    yield from _reading_faults(claim)
+    yield from _weight_faults(claim)
+    yield from _given_faults(case, claim)
     if claim.expected == "failed":
         yield "expected", claim.expected, "a verdict: a computation that broke is never on record"
     if claim.kind == "remark":
@@ -76,6 +184,7 @@ def _claim_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
     if claim.quantity not in case.quantities:
         yield "quantity", claim.quantity, "a quantity declared in quantities.csv"
         return
+    yield from _yes_or_no_faults(claim)
     unit = case.quantities[claim.quantity].unit
     if to_si(claim.unit)[0] != unit:
         yield "unit", claim.unit, f"{unit}, the unit of {claim.quantity}, or one that converts to it"
@@ -89,9 +198,9 @@ def _claim_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
             if other is None or other.unit != unit:
                 yield "published", claim.published, f"a quantity in {unit} declared in quantities.csv"
         elif claim.comparator in ("equal", "at_most", "at_least"):
-            PrintedNumber(claim.published)
-        elif claim.published:
-            yield "published", claim.published, "nothing, since feasibility has no value"
+            low, high = thresholds(claim)
+            if low.value > high.value:
+                yield "published", claim.published, "the smaller end first"
     except InputError as error:
         yield "published", claim.published, error.expected
 
@@ -125,6 +234,9 @@ def lint(case: "Case") -> None:
                 value=value,
                 expected=expected,
             )
+    for row, claim, expected in _sentence_faults(case):
+        file = f"papers/{case.name}/claims.csv"
+        raise InputError(f"claim {claim.id}:", file=file, row=row, field="where", value=claim.where, expected=expected)
     for row, recorded in enumerate(case.recorded.values(), start=_ROW_OF_FIRST):
         quantity = case.quantities.get(recorded.quantity)
         faults = _recorded_faults(recorded)
@@ -168,7 +280,9 @@ def _refuse_first(faults: Iterable[tuple[str, str, str]], file: str, row: int | 
 
 
 def _recorded_faults(recorded: Toleranced) -> Iterator[tuple[str, str, str]]:
-    """Yield field, value and expectation of every fault of a value on record."""
+    """Yield field, value and expectation of every fault of a value on record; nan stands for what is undecided."""
+    if recorded.value == "nan" and recorded.class_ == "exact":
+        return
     try:
         finite = math.isfinite(double(recorded.value))
     except InputError:

@@ -8,12 +8,16 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstra
 from gainsay.exact.digits import EXPECTED, PrintedNumber
 from gainsay.tables.units import UNITS
 
-Verdict = Literal["reproduced", "contradicted", "undetermined", "uncheckable", "failed"]
+Verdict = Literal["reproduced", "contradicted", "undetermined", "undecided", "uncheckable", "failed"]
 Kind = Literal[
     "parameter", "gain", "identity", "definiteness", "feasibility", "stability", "pole-region", "norm-bound",
     "cost-bound", "input-bound", "delay-margin", "trajectory", "ordering", "figure", "remark",
 ]  # fmt: skip
-Comparator = Literal["equal", "at_most", "at_least", "inside", "feasible", "infeasible", "less_than", "all_of", ""]
+Comparator = Literal[
+    "equal", "at_most", "at_least", "inside", "holds", "fails", "feasible", "infeasible", "less_than", "all_of", ""
+]  # fmt: skip
+Weight = Literal["misprint", "gap", "result", ""]
+Scan = Literal["possible", "excluded", "open", ""]
 Step = Literal["synthesis", "audit", "simulation"]
 Tolerance = Literal["exact", "rounding", "enclosed", "sampled", "floor"]
 ScanItem = Literal["outcome", "samples", "holding", "smallest", "largest", "turns_on", "holds_at", "fails_at"]
@@ -97,12 +101,33 @@ class Claim(Row):
         description="how the quantity is held against the published value; empty for remarks"
     )
     quantity: Text = Field(description="the quantity compared; for all_of the claims it joins")
-    published: Text = Field(description="the published value; `low..high` for inside; a quantity for less_than")
+    published: Text = Field(
+        description="the published value; `low..high` for inside, and for a threshold that the paper does not print; "
+        "a quantity for less_than; empty for what holds or is feasible"
+    )
     unit: Unit = Field(description="unit of the published value")
     tolerance: DecimalOrEmpty = Field(description="absolute tolerance; empty: half a unit of the last printed digit")
     expected: Verdict = Field(description="the verdict on record")
     basis: Filled = Field(description="the independent reason for the expected verdict")
-    note: Text = Field(description="reading of the text, whether OCR could be to blame, reason of a stated tolerance")
+    note: Text = Field(description="reading of the text, reason of a stated tolerance")
+    reading: Text = Field(
+        default="", description="where the two ends of a threshold that the paper does not print come from"
+    )
+    given: Text = Field(
+        default="",
+        description="condition under which the claim is judged: `name=value; name=value`, of what the paper leaves out",
+    )
+    sentence: Annotated[str, StringConstraints(pattern=r"^([a-z0-9][a-z0-9_.-]*)?$")] = Field(
+        default="", description="name shared by the claims that speak of one sentence; they are judged together"
+    )
+    weight: Weight = Field(
+        default="",
+        description="of what does not hold: `misprint`; `gap` (the argument fails, the conclusion may stand); "
+        "`result` (a number or a conclusion fails)",
+    )
+    ocr: Scan = Field(
+        default="", description="whether the scan of the text could be to blame; `open` where nobody has judged it"
+    )
 
 
 class Erratum(Row):
@@ -114,6 +139,8 @@ class Erratum(Row):
     corrected: Filled = Field(description="what should stand there")
     effect: Filled = Field(description="what follows from the difference")
     witness: Filled = Field(description="the quantity or certificate that shows it")
+    weight: Weight = Field(default="", description="as of a claim that does not hold")
+    ocr: Scan = Field(default="", description="whether the scan of the text could be to blame")
 
 
 class NotChecked(Row):
@@ -174,6 +201,7 @@ class PaperFile(BaseModel):
     doi: Annotated[str, StringConstraints(pattern=r"^(10\.[0-9]{4,9}/\S+)?$")] = Field(
         default="", description="DOI without resolver; empty where the text at hand gives none"
     )
+    finding: list[Filled] = Field(default=[], max_length=2, description="what was found, in two sentences")
     designs: dict[Slug, Filled] = Field(default={}, description="designs that synthesis makes: name and what it is")
     runs: dict[Slug, Filled] = Field(description="simulated runs: name and what is simulated")
     figures: dict[Slug, Filled] = Field(description="figures: name and caption")
@@ -191,6 +219,11 @@ def columns(model: type[Row]) -> tuple[str, ...]:
     own = [name for name in model.model_fields if name in model.__annotations__]
     inherited = [name for name in model.model_fields if name not in own]
     return tuple(model.model_fields[name].alias or name for name in (*own, *inherited))
+
+
+def optional(model: type[Row]) -> tuple[str, ...]:
+    """Return the columns that a table may leave out: no row of it has anything to say there."""
+    return tuple(field.alias or name for name, field in model.model_fields.items() if not field.is_required())
 
 
 #: file name -> model of its rows

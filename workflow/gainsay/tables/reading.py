@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
 from gainsay.tables.files import is_there, read_csv, read_text, shown
-from gainsay.tables.models import PaperFile, Row, columns
+from gainsay.tables.models import PaperFile, Row, columns, optional
 
 AnyRow = TypeVar("AnyRow", bound=Row)
 
@@ -32,6 +32,8 @@ def expectation(model: type[BaseModel], detail: dict) -> tuple[str, object, str]
 def read_rows(path: Path, model: type[AnyRow], root: Path | None = None, *, needed: bool = True) -> dict[int, AnyRow]:
     """Read a table whose columns are the fields of a model; one that is not needed may be missing, which is no row.
 
+    Columns that may be empty in every row may be left out, all others stand in the order of the model.
+
     Returns
     -------
     dict
@@ -46,9 +48,9 @@ def read_rows(path: Path, model: type[AnyRow], root: Path | None = None, *, need
     if not needed and not is_there(path, root):
         return {}
     header, rows = read_csv(path, root)
-    wanted = list(columns(model))
+    wanted = [column for column in columns(model) if column in header or column not in optional(model)]
     if header != wanted:
-        raise InputError("header", file=file, row=1, value=",".join(header), expected=",".join(wanted))
+        raise InputError("header", file=file, row=1, value=",".join(header), expected=",".join(columns(model)))
     typed = {}
     for number, cells in rows:
         try:

@@ -32,6 +32,8 @@ PARTS = {
     "poles": POLE_COLUMNS,
     "failures": FAILURE_COLUMNS,
 }
+#: what the method of a quantity begins with of which neither side could be proved; its value is nan
+UNDECIDED = "undecided:"
 #: steps that keep records, in the order of the workflow
 STEPS = ("synthesis", "audit", "simulation", "figures", "views")
 
@@ -262,7 +264,7 @@ class Results:
             Equation or sentence behind it.
         """
         unit = self._declared(quantity)
-        self._rows["quantities"].append((quantity, math.nan, unit, None, None, f"undecided: {reason}", source))
+        self._rows["quantities"].append((quantity, math.nan, unit, None, None, f"{UNDECIDED} {reason}", source))
 
     def gains(
         self,

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
-from gainsay.tables.lint import published_ends
+from gainsay.tables.lint import published_ends, thresholds
 from gainsay.tables.models import Claim
 from gainsay.tables.units import to_si
 
@@ -52,28 +52,35 @@ def tolerance(claim: Claim) -> Fraction:
     return PrintedNumber(claim.published).half_unit * factor if claim.comparator == "equal" else Fraction(0)
 
 
-def criterion(claim: Claim) -> Criterion:
-    """Return when a number meets a claim.
+def criteria(claim: Claim) -> tuple[Criterion, ...]:
+    """Return when a number meets a claim: under its threshold, or under the strictest and the most lenient reading.
+
+    A bound holds its end, and gets no tolerance from its digits.
 
     Raises
     ------
     InputError
         If the claim's comparator holds a quantity against no number of the table.
-
-    Examples
-    --------
-    A bound holds its end, and gets no tolerance from its digits.
     """
     if claim.comparator not in NUMERIC:
         raise InputError(f"claim {claim.id}:", field="comparator", value=claim.comparator, expected=", ".join(NUMERIC))
+    if claim.comparator == "inside":
+        return (_criterion(claim, *published_ends(claim.published), claim.published),)
+    low, high = thresholds(claim)
+    if low == high:
+        return (_criterion(claim, low, high, claim.published),)
+    readings = (low, high) if claim.comparator == "at_most" else (high, low)
+    return tuple(_criterion(claim, one, one, one.text) for one in readings)
+
+
+def _criterion(claim: Claim, low: PrintedNumber, high: PrintedNumber, printed: str) -> Criterion:
     factor, allowed = to_si(claim.unit)[1], tolerance(claim)
-    ends = published_ends(claim.published) if claim.comparator == "inside" else [PrintedNumber(claim.published)] * 2
-    floor: Number = ends[0].value * factor - allowed
-    ceiling: Number = ends[1].value * factor + allowed
+    floor: Number = low.value * factor - allowed
+    ceiling: Number = high.value * factor + allowed
     if claim.comparator == "at_most":
         floor = -math.inf
     if claim.comparator == "at_least":
         ceiling = math.inf
     words = {"equal": "", "inside": "inside ", "at_most": "at most ", "at_least": "at least "}[claim.comparator]
     within = f" +- {claim.tolerance}" if claim.tolerance else ""
-    return Criterion(floor, ceiling, allowed, f"{words}{claim.published}{within} {claim.unit}".removesuffix(" 1"))
+    return Criterion(floor, ceiling, allowed, f"{words}{printed}{within} {claim.unit}".removesuffix(" 1"))

@@ -7,7 +7,7 @@ from fractions import Fraction
 from gainsay.errors import CertificateError
 from gainsay.proof import check, read_certificate
 from gainsay.tables import Case
-from gainsay.tables.results import read_part
+from gainsay.tables.results import UNDECIDED, read_part
 from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 
 
@@ -62,17 +62,23 @@ class Evidence:
     certificates : dict of certificate id to sentence
         Accepted ones.
     refused : dict of certificate id to reason
+    lost : dict of quantity to list of certificate id
+        The quantities on which refused certificates conclude; "" for those that cannot be read.
     scans : dict of claim to Outcome
     failures : list of dict
         step, where, task, message.
+    undecided : dict of quantity to reason
+        What was computed of which neither side could be proved.
     """
 
     found: dict[str, Found] = field(default_factory=dict)
     concluded: dict[str, list[Concluded]] = field(default_factory=dict)
     certificates: dict[str, str] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
+    lost: dict[str, list[str]] = field(default_factory=dict)
     scans: dict[str, Outcome] = field(default_factory=dict)
     failures: list[dict[str, str]] = field(default_factory=list)
+    undecided: dict[str, str] = field(default_factory=dict)
 
     def proved_range(self, quantity: str) -> tuple[Fraction | float, Fraction | float, list[Concluded]]:
         """Return the tightest proved bounds of a quantity (infinite where none) and the conclusions they rest on."""
@@ -109,12 +115,16 @@ def read_evidence(case: Case) -> Evidence:
     """
     evidence = Evidence(failures=read_part(case, "failures"))
     for row in read_part(case, "quantities"):
+        if row["method"].startswith(UNDECIDED):
+            evidence.undecided[row["quantity"]] = row["method"].removeprefix(UNDECIDED).strip()
+            continue
         evidence.found[row["quantity"]] = Found(
             float(row["value"]), _number(row["lower"]), _number(row["upper"]), row["method"], row["source"]
         )
     # Only what a step lists as its own counts: a file left by an interrupted or older step is no evidence.
     listed = sorted({case.results / row["file"] for row in read_part(case, "files")})
     for path in (path for path in listed if path.parent.name == "certificates"):
+        certificate = None
         try:
             certificate = read_certificate(path)
             if certificate.paper != case.name:
@@ -122,6 +132,8 @@ def read_evidence(case: Case) -> Evidence:
             proof = check(certificate, case)
         except Exception as error:  # whatever a check stumbles over, it has not accepted the certificate
             evidence.refused[path.stem] = str(error) or type(error).__name__
+            for quantity in {c.quantity for c in certificate.conclusions} if certificate else {""}:
+                evidence.lost.setdefault(quantity, []).append(path.stem)
             continue
         evidence.certificates[path.stem] = proof.statement
         for conclusion in proof.conclusions:

@@ -8,13 +8,12 @@ from gainsay.exact.digits import PrintedNumber
 from gainsay.tables import Case
 from gainsay.tables.lint import PROVED
 from gainsay.tables.models import Claim
+from gainsay.tables.sentences import worst
 from gainsay.tables.units import to_si
-from gainsay.verdicts.criterion import criterion
+from gainsay.verdicts.criterion import criteria
 from gainsay.verdicts.evidence import Evidence, Found
 from gainsay.verdicts.outcome import Outcome
 
-#: worst first: a claim that joins others is as good as the worst of them
-SEVERITY = ("failed", "contradicted", "undetermined", "uncheckable", "reproduced")
 #: relative rounding by which a double may lie outside the bounds proved for it
 _ROUNDING = Fraction(1, 10**6)
 
@@ -64,12 +63,23 @@ def _missing(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     return Judgement("failed", note=f"{reason}; attempts in attempts/{step}.json")
 
 
-def _judge_feasibility(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
+def _unproved(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
+    """Judge what was computed and not proved: undecided, unless a computation of that step or a certificate broke."""
+    found, step = evidence.found.get(claim.quantity), case.quantities[claim.quantity].step
+    lost = evidence.lost.get(claim.quantity) or evidence.lost.get("")
+    if lost:
+        return Judgement("failed", certificate=" ".join(lost), note=f"refused: {evidence.refused[lost[0]]}")
+    if found is None or any(failure["step"] == step for failure in evidence.failures):
+        return _missing(case, claim, evidence)
+    return Judgement("undecided", note=f"computed as {found.value!r}, and no certificate says so ({found.method})")
+
+
+def _judge_yes_or_no(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     """Judge what either holds or fails; only an accepted certificate decides."""
     said = [c for c in evidence.concluded.get(claim.quantity, []) if c.relation in ("holds", "fails")]
     found = evidence.found.get(claim.quantity)
     if not said:
-        return _missing(case, claim, evidence)
+        return _unproved(case, claim, evidence)
     relations = {c.relation for c in said}
     certificates = " ".join(c.certificate for c in said)
     proved = f"proved: {', '.join(sorted({c.theorem for c in said}))}"
@@ -79,12 +89,7 @@ def _judge_feasibility(case: Case, claim: Claim, evidence: Evidence) -> Judgemen
     if found is not None and found.value != holds:
         note = f"computed as {found.value!r}, but the certificate says {said[0].relation}"
         return Judgement("failed", evidence=proved, certificate=certificates, note=note)
-    wanted = claim.comparator != "infeasible"
-    if claim.comparator == "equal":
-        published = PrintedNumber(claim.published).value
-        if published not in (0, 1):
-            return Judgement("failed", evidence=proved, certificate=certificates, note="what holds or fails is 1 or 0")
-        wanted = published == 1
+    wanted = claim.comparator in ("holds", "feasible")
     witness = "" if holds == wanted else evidence.certificates[said[0].certificate]
     return Judgement(
         "reproduced" if holds == wanted else "contradicted", recomputed=float(holds), evidence=proved,
@@ -98,8 +103,9 @@ def _judge_scan(claim: Claim, scan: Outcome, found: Found | None) -> Judgement:
     The value at our own filling is one plausible value more: it must bear out what the samples say.
     """
     if found is not None and scan.outcome != "depends":
-        own = "holds" if criterion(claim).holds(found.value) else "fails"
-        if own != scan.outcome:
+        strict, lenient = (readings := criteria(claim))[0], readings[-1]
+        agrees = strict.holds(found.value) if scan.outcome == "holds" else not lenient.holds(found.value)
+        if not agrees:
             note = f"every sample of the scan {scan.outcome}, our own filling, {found.value!r}, does not"
             return Judgement("failed", note=note)
     verdict = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined"}[scan.outcome]
@@ -158,6 +164,8 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     low, high, used = evidence.proved_range(claim.quantity)
     if found is None and not used:
         return _missing(case, claim, evidence)
+    if claim.kind in PROVED and not used:
+        return _unproved(case, claim, evidence)
     if _contradictory(low, high, found):
         return Judgement("failed", note=f"the evidence on {claim.quantity} contradicts itself")
     certificate = " ".join(dict.fromkeys(c.certificate for c in used))
@@ -178,18 +186,25 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     }
     if claim.comparator == "less_than":
         return _judge_order(case, claim, evidence, low, high, shared)
-    wanted = criterion(claim)
-    holds = wanted.holds_on(low, high)
-    shared["tolerance"] = _in_unit(claim, wanted.tolerance)
-    if holds and claim.kind == "stability" and not _strict(claim, evidence):
-        return Judgement("failed", note="proved up to the boundary: stability needs a strict inequality", **shared)
-    if holds is None:
-        reason = "no certificate decides it" if claim.kind in PROVED else "its error bound is too wide to decide"
-        return Judgement("failed", note=reason, **shared)
-    if holds:
+    readings = criteria(claim)
+    outcomes = [reading.holds_on(low, high) for reading in readings]
+    shared["tolerance"] = _in_unit(claim, readings[0].tolerance)
+    if outcomes[0] and claim.kind == "stability" and not _strict(claim, evidence):
+        return Judgement("undecided", note="proved up to the boundary: stability needs a strict inequality", **shared)
+    if outcomes[0]:
         return Judgement("reproduced", **shared)
     bounds = f"{shared['range_low']!r}..{shared['range_high']!r}" if low != high else f"{shared['recomputed']!r}"
-    return Judgement("contradicted", witness=f"{claim.quantity} = {bounds} {claim.unit}".strip(), **shared)
+    value = f"{claim.quantity} = {bounds} {claim.unit}".strip()
+    if outcomes[-1] is False:
+        return Judgement("contradicted", witness=value, **shared)
+    if outcomes[0] is False and outcomes[-1]:
+        witness = f"depends on the threshold, {claim.published} {claim.unit}: turns at {value}"
+        return Judgement("undetermined", witness=witness, **shared)
+    if claim.kind in PROVED:
+        reason = f"no certificate decides it: proved {bounds}" if used else "no certificate decides it"
+    else:
+        reason = "its error bound is too wide to decide"
+    return Judgement("undecided", note=reason, **shared)
 
 
 def _judge_order(case: Case, claim: Claim, evidence: Evidence, low: Number, high: Number, shared: dict) -> Judgement:
@@ -208,7 +223,7 @@ def _judge_order(case: Case, claim: Claim, evidence: Evidence, low: Number, high
         compared = None if other is None else _in_unit(claim, other.value)
         witness = f"{claim.quantity} = {shared['recomputed']!r}, {claim.published} = {compared!r} {claim.unit}"
         return Judgement("contradicted", witness=witness, **shared)
-    return Judgement("failed", note="the ranges of the two quantities overlap", **shared)
+    return Judgement("undecided", note="the ranges of the two quantities overlap", **shared)
 
 
 def judge(case: Case, claim: Claim, evidence: Evidence, verdicts: dict[str, str]) -> Judgement:
@@ -226,15 +241,15 @@ def judge(case: Case, claim: Claim, evidence: Evidence, verdicts: dict[str, str]
         return Judgement("uncheckable", note="nothing in the text to hold it against")
     if claim.comparator == "all_of":
         parts = claim.quantity.split()
-        worst = min((verdicts[part] for part in parts), key=SEVERITY.index)
-        at_fault = [part for part in parts if verdicts[part] == worst]
-        witness = "" if worst == "reproduced" else f"{worst}: {' '.join(at_fault)}"
-        return Judgement(worst, evidence="joined", witness=witness)
+        joined = worst(verdicts[part] for part in parts)
+        at_fault = [part for part in parts if verdicts[part] == joined]
+        witness = "" if joined == "reproduced" else f"{joined}: {' '.join(at_fault)}"
+        return Judgement(joined, evidence="joined", witness=witness)
     if claim.id in evidence.scans and (claim.kind not in PROVED or evidence.scans[claim.id].outcome == "depends"):
         return _judge_scan(claim, evidence.scans[claim.id], evidence.found.get(claim.quantity))
-    boolean = any(c.relation in ("holds", "fails") for c in evidence.concluded.get(claim.quantity, []))
-    if claim.comparator in ("feasible", "infeasible") or (
-        boolean and claim.kind in PROVED and claim.comparator == "equal"
-    ):
-        return _judge_feasibility(case, claim, evidence)
+    given_up = evidence.undecided.get(claim.quantity)
+    if given_up is not None and claim.quantity not in evidence.concluded:
+        return Judgement("undecided", note=given_up)
+    if claim.comparator in ("holds", "fails", "feasible", "infeasible"):
+        return _judge_yes_or_no(case, claim, evidence)
     return _judge_number(case, claim, evidence)

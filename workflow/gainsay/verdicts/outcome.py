@@ -9,7 +9,8 @@ from typing import Any
 from gainsay.tables import Case
 from gainsay.tables.files import read_text
 from gainsay.tables.models import Claim
-from gainsay.verdicts.criterion import NUMERIC, Criterion, criterion
+from gainsay.tables.units import to_si
+from gainsay.verdicts.criterion import NUMERIC, Criterion, criteria
 from gainsay.verdicts.plausible import Plausible, Point, distance
 
 Pair = tuple[float, Point]
@@ -43,8 +44,9 @@ class Outcome:
     ----------
     claim, quantity : str
     inputs : tuple of Plausible
-    samples, holding : int
-        Points evaluated, scattered ones and corners, and those at which the claim holds.
+    samples, holding, at_best : int
+        Points evaluated, scattered ones and corners; those at which the claim holds, under the strictest reading of its
+        threshold and under the most lenient, which are the same where the paper prints it.
     least, greatest : (float, Point)
         Smallest and largest value of the quantity with their inputs.
     holds_at, fails_at : (float, Point) or None
@@ -52,6 +54,8 @@ class Outcome:
     boundary : Boundary or None
     criterion : str
         What it means to hold, one phrase.
+    turning : str
+        Where the outcome turns along a threshold that the paper does not print, one phrase.
     """
 
     claim: str
@@ -59,19 +63,21 @@ class Outcome:
     inputs: tuple[Plausible, ...]
     samples: int
     holding: int
+    at_best: int
     least: Pair
     greatest: Pair
     holds_at: Pair | None
     fails_at: Pair | None
     boundary: Boundary | None
     criterion: str
+    turning: str = ""
 
     @property
     def outcome(self) -> str:
-        """``holds`` for every sample, ``fails`` for every sample, or ``depends``."""
+        """``holds`` for every sample and reading, ``fails`` for every one, or ``depends``."""
         if self.holding == self.samples:
             return "holds"
-        return "fails" if self.holding == 0 else "depends"
+        return "fails" if self.at_best == 0 else "depends"
 
     def _phrase(self, found: Pair | None) -> str:
         if found is None:
@@ -85,7 +91,13 @@ class Outcome:
         """One sentence: the counterexample, or both outcomes with the boundary between them."""
         if self.outcome == "holds":
             return ""
-        if self.outcome == "fails" or self.boundary is None:
+        if self.outcome == "fails":
+            return self._phrase(self.fails_at)
+        return "; ".join(part for part in (self.turning, self._turns()) if part)
+
+    def _turns(self) -> str:
+        """Say where the outcome turns along an input, else one sample at which the claim fails."""
+        if self.boundary is None:
             return self._phrase(self.fails_at)
         unit = next(p.unit for p in self.inputs if p.name == self.boundary.input)
         turns = (
@@ -97,7 +109,8 @@ class Outcome:
     @property
     def note(self) -> str:
         """How many samples hold, and what holding means."""
-        return f"holds at {self.holding} of {self.samples} plausible inputs ({self.quantity} {self.criterion})"
+        count = str(self.holding) if self.holding == self.at_best else f"{self.holding} to {self.at_best}"
+        return f"holds at {count} of {self.samples} plausible inputs ({self.quantity} {self.criterion})"
 
 
 def _short(value: Any) -> str:
@@ -134,29 +147,41 @@ def outcome(claim: Claim, scan: Mapping[str, Any]) -> Outcome:
     def pair(value: float, row: list[Any]) -> Pair:
         return value, dict(zip((p.name for p in inputs), row, strict=True))
 
-    wanted = criterion(claim)
+    strict, lenient = (wanted := criteria(claim))[0], wanted[-1]
     found = [pair(value, row) for value, row in zip(scan["values"], scan["points"], strict=True)]
-    good = [one for one in found if wanted.holds(one[0])]
-    bad = [one for one in found if not wanted.holds(one[0])]
-    holds_at, fails_at, boundary = next(iter(good), None), next(iter(bad), None), None
-    if good and bad:
-        crossings = [tuple(map(pair, c["values"], c["points"])) for c in scan["crossings"]]
-        boundary, holds_at, fails_at = _boundary(inputs, wanted, crossings, good, bad)
     by_value = sorted(found, key=lambda one: one[0])
+    holding, at_best = (sum(one.holds(value) for value, _ in found) for one in (strict, lenient))
+    crossings = [tuple(map(pair, c["values"], c["points"])) for c in scan["crossings"]]
+    turns = strict if holding or not at_best else lenient
+    boundary, holds_at, fails_at = _boundary(inputs, turns, crossings, found)
+    parts: dict[str, Any] = {"criterion": strict.phrase}
+    if strict != lenient:
+        parts["criterion"] = f"{strict.phrase} to {lenient.phrase}"
+        if at_best and holding < len(found):
+            parts["turning"] = _along_the_threshold(claim, by_value[0][0], by_value[-1][0])
     return Outcome(
-        claim.id, scan["quantity"], inputs, len(found), len(good), by_value[0], by_value[-1], holds_at, fails_at,
-        boundary, wanted.phrase,
+        claim.id, scan["quantity"], inputs, len(found), holding, at_best, by_value[0], by_value[-1], holds_at, fails_at,
+        boundary, **parts,
     )  # fmt: skip
 
 
+def _along_the_threshold(claim: Claim, least: float, greatest: float) -> str:
+    """Say from which threshold on the claim holds everywhere, and from which on nowhere."""
+    factor = float(to_si(claim.unit)[1])
+    low, high = (_short(value / factor) for value in (least, greatest))
+    ends = (f"from {high}", f"below {low}") if claim.comparator == "at_most" else (f"up to {low}", f"above {high}")
+    holds, fails = (f"{end} {claim.unit}".removesuffix(" 1") for end in ends)
+    return f"depends on the threshold: holds everywhere {holds}, nowhere {fails}"
+
+
 def _boundary(
-    inputs: tuple[Plausible, ...],
-    wanted: Criterion,
-    crossings: list[tuple[Pair, Pair]],
-    good: list[Pair],
-    bad: list[Pair],
-) -> tuple[Boundary | None, Pair, Pair]:
+    inputs: tuple[Plausible, ...], wanted: Criterion, crossings: list[tuple[Pair, Pair]], found: list[Pair]
+) -> tuple[Boundary | None, Pair | None, Pair | None]:
     """Return the crossing at which the criterion turns, else no boundary and the nearest pair of outcomes."""
+    good = [one for one in found if wanted.holds(one[0])]
+    bad = [one for one in found if not wanted.holds(one[0])]
+    if not good or not bad:
+        return None, next(iter(good), None), next(iter(bad), None)
     for first, second in crossings:
         if wanted.holds(first[0]) == wanted.holds(second[0]):
             continue

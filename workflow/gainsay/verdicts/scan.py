@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.verdicts.criterion import NUMERIC, criterion
+from gainsay.verdicts.criterion import NUMERIC, criteria
 from gainsay.verdicts.plausible import Plausible, Point, corners, distance, fractions, plausible, sample
 
 __all__ = ["Plausible", "Point", "Scan", "corners", "fractions", "plausible", "sample", "scan"]
@@ -142,7 +142,8 @@ def scan(
     crossings = []
     for claim in case.claims.values():
         if claim.quantity == quantity and claim.comparator in NUMERIC:
-            crossings += _crossing(inputs, found, values_at, criterion(claim).holds, admissible, width, parts)
+            for one in criteria(claim):
+                crossings += _crossing(inputs, found, values_at, one.holds, admissible, width, parts)
     return Scan(quantity, tuple(inputs), seed, tuple(found), tuple(crossings))
 
 

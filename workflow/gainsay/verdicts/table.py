@@ -6,7 +6,7 @@ from gainsay.verdicts.judge import Judgement, judge
 
 VERDICT_COLUMNS = (
     "claim", "where", "kind", "statement", "published", "recomputed", "unit", "tolerance", "verdict", "expected",
-    "evidence", "range_low", "range_high", "witness", "quantity", "certificate", "note",
+    "evidence", "range_low", "range_high", "witness", "quantity", "certificate", "note", "given", "weight",
 )  # fmt: skip
 
 
@@ -30,6 +30,8 @@ def _row(case: Case, claim_id: str, judged: Judgement) -> dict[str, object]:
         "quantity": claim.quantity,
         "certificate": judged.certificate,
         "note": "; ".join(note for note in (judged.note, claim.note) if note),
+        "given": claim.given,
+        "weight": claim.weight,
     }
 
 

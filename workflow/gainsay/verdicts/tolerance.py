@@ -53,6 +53,8 @@ def proposed(row: Row, meaning: str) -> tuple[str, str, str, str]:
     rounding is bounded by a condition that is stated, not measured.
     """
     value = float(row["value"])
+    if math.isnan(value):
+        return "exact", "0", "0", "undecided: neither side is proved"
     if row["lower"] and row["upper"]:
         width = float(row["upper"]) - float(row["lower"])
         if width > 0:
