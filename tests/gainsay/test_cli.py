@@ -10,7 +10,7 @@ from gainsay.steps.modules import paper_module
 from gainsay.tables import read_case
 from gainsay.tables.results import Results
 
-COMMANDS = ["lint", "check", "record", "docs", "prove", "logs", "view", "gallery", "replay"]
+COMMANDS = ["new", "lint", "check", "record", "docs", "prove", "logs", "view", "gallery", "replay"]
 
 
 def command(project, *arguments):

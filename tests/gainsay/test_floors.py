@@ -11,11 +11,12 @@ LIBRARY = ROOT / "workflow" / "gainsay"
 FLOORS = (
     ("errors",), ("exact",), ("tables",), ("proof",), ("lmi",), ("statements",), ("systems",), ("dynamics",),
     ("simulation",), ("logs",), ("figures",), ("verdicts",), ("report",),
-    ("steps", "cli", "bench", "rules", "__main__"),
+    ("steps", "cli", "bench", "rules", "scaffold", "__main__"),
 )  # fmt: skip
 LEVEL = {name: level for level, floor in enumerate(FLOORS) for name in floor}
-MODULES = sorted(LIBRARY.rglob("*.py"))
-PAPERS = sorted((ROOT / "papers").rglob("*.py"))
+EXAMPLE = LIBRARY / "scaffold" / "paper"
+MODULES = sorted(path for path in LIBRARY.rglob("*.py") if not path.is_relative_to(EXAMPLE))
+PAPERS = sorted([*(ROOT / "papers").rglob("*.py"), *EXAMPLE.rglob("*.py")])
 
 
 def identity(path: Path) -> str:

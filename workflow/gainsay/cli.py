@@ -1,4 +1,4 @@
-"""The command `gainsay`: lint, check, record, search, docs, proof, logs, view, replay, gallery."""
+"""The command `gainsay`."""
 
 import argparse
 import math
@@ -54,10 +54,26 @@ def check(options: argparse.Namespace) -> int:
         print(f"{paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}"[:LONGEST])
     if len(found) > len(shown):
         print(f"and {len(found) - len(shown)} more, which `gainsay check` names")
-    print(record_line(found))
+    new = [case.name for case in cases if not case.on_record]
+    if found or len(new) < len(cases):
+        print(record_line(found))
+    for paper in new:
+        print(f"{paper}: no numbers are on record yet, `gainsay record` puts today's there")
     if rest:
         print(f"not checked: {', '.join(rest)}")
     return DIFFERENCES if found else CLEAN
+
+
+def new(options: argparse.Namespace) -> int:
+    """Write a new paper, or a new project with one, as a worked example to replace."""
+    from gainsay.scaffold.new import new_paper, new_project
+
+    if options.project is None:
+        folder = new_paper(options.root, options.id)
+    else:
+        folder = new_project(options.project.resolve(), options.id)
+    print(f"{folder}: a worked example; next: gainsay lint, snakemake --cores 2, gainsay record")
+    return CLEAN
 
 
 def record(options: argparse.Namespace) -> int:
@@ -152,6 +168,9 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("papers", nargs="*", help="folder names below papers/; default: all")
         if work is check:
             command.add_argument("--brief", action="store_true", help=f"name {MOST_LINES} differences at most")
+    making = add("new", new)
+    making.add_argument("id", help="name of the paper's folder, such as wan2014")
+    making.add_argument("--project", type=Path, metavar="DIR", help="make a project of its own in this empty folder")
     searched = add("search", search)
     searched.add_argument("paper", help="folder name below papers/")
     searched.add_argument("design", nargs="?", help="a name of [designs] in paper.toml; default: all")
@@ -216,7 +235,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code."""
     options = _parser().parse_args(arguments)
     try:
-        options.root = find_root(options.root)
+        if getattr(options, "project", None) is None:  # the one command that makes a project
+            options.root = find_root(options.root)
         return options.work(options)
     except InputError as error:
         return refuse(error)

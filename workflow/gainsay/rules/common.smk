@@ -86,10 +86,9 @@ def tables(paper):
     )
 
 
-def record(paper):
-    """The tables of a paper that results are held against."""
-    names = ("recorded", "recorded_scans", "recorded_certificates", "errata")
-    files = [f"papers/{paper}/{name}.csv" for name in names]
+def present(paper, *tables):
+    """Those of some tables of a paper that it has; an empty one needs no file."""
+    files = [f"papers/{paper}/{table}" for table in tables]
     return [file for file in files if Path(file).is_file()]
 
 

@@ -83,7 +83,13 @@ for paper in ALL:
             f"{paper}_compare"
         input:
             results=listing(paper, "verdicts"),
-            record=record(paper),
+            record=present(
+                paper,
+                "recorded.csv",
+                "recorded_scans.csv",
+                "recorded_certificates.csv",
+                "errata.csv",
+            ),
             quantities=f"papers/{paper}/quantities.csv",
             code=sources(ROOT, "compare", paper),
         output:

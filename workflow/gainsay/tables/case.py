@@ -120,6 +120,11 @@ class Case:
         """Return the nearest doubles of a printed matrix, read-only, in the unit of its row: as printed, not SI."""
         return self.printed(name).floats
 
+    @property
+    def on_record(self) -> bool:
+        """Whether anything of the paper is on record yet."""
+        return bool(self.recorded or self.recorded_scans or self.recorded_certificates)
+
     @cached_property
     def assumed(self) -> dict[str, Parameter]:
         """The parameters that the paper leaves out."""
@@ -264,8 +269,8 @@ def read_case(root: Path, paper: str) -> Case:
         parameters=parameters,
         quantities=table("quantities.csv", Quantity, "id"),
         claims=table("claims.csv", Claim, "id"),
-        errata=table("errata.csv", Erratum, "id"),
-        not_checked=tuple(read_rows(folder / "not_checked.csv", NotChecked, root).values()),
+        errata=table("errata.csv", Erratum, "id", needed=False),
+        not_checked=tuple(read_rows(folder / "not_checked.csv", NotChecked, root, needed=False).values()),
         recorded=table("recorded.csv", Recorded, "quantity", needed=False),
         recorded_scans=table("recorded_scans.csv", RecordedScan, ("claim", "item"), needed=False),
         recorded_certificates=table("recorded_certificates.csv", RecordedCertificate, "certificate", needed=False),

@@ -10,6 +10,8 @@ from gainsay.verdicts.tolerance import allowed, share
 
 DIFFERENCE_COLUMNS = ("paper", "what", "item", "expected", "found", "note")
 Difference = tuple[str, str, str, str, str, str]
+#: note of what was computed and is not on record
+NEW = "not on record"
 
 
 def _allowed(recorded: Toleranced) -> str:
@@ -34,7 +36,7 @@ def _quantity_differences(case: Case) -> Iterator[Difference]:
             continue
         recorded, row = case.recorded.get(quantity), found[quantity]
         if recorded is None:
-            yield case.name, "quantity", quantity, "", row["value"], "not on record"
+            yield case.name, "quantity", quantity, "", row["value"], NEW
             continue
         if not _agrees(recorded, row["value"]):
             yield case.name, "quantity", quantity, recorded.value, row["value"], _allowed(recorded)
@@ -56,7 +58,7 @@ def _scan_differences(case: Case) -> Iterator[Difference]:
         what = " ".join(key)
         if recorded is None or not text:
             on_record = "" if recorded is None else recorded.value
-            yield case.name, "scan", what, on_record, text, "not on record" if recorded is None else "not found"
+            yield case.name, "scan", what, on_record, text, NEW if recorded is None else "not found"
         elif not _agrees(recorded, text):
             yield case.name, "scan", what, recorded.value, text, _allowed(recorded)
 
@@ -69,7 +71,7 @@ def _statement_differences(case: Case) -> Iterator[Difference]:
         if name not in found:
             yield case.name, "certificate", name, "present", "missing", "on record"
         elif recorded is None:
-            yield case.name, "certificate", name, "", found[name], "not on record"
+            yield case.name, "certificate", name, "", found[name], NEW
         elif recorded.formulas != found[name]:
             yield case.name, "certificate", name, recorded.formulas, found[name], "its formulas are not those on record"
 
@@ -88,7 +90,10 @@ def _witness_differences(case: Case) -> Iterator[Difference]:
 
 
 def differences(case: Case) -> list[Difference]:
-    """Return every difference of a paper: verdicts, quantities, failures, certificates, witnesses, missing files."""
+    """Return every difference of a paper: verdicts, quantities, failures, certificates, witnesses, missing files.
+
+    Of a paper of which nothing is on record yet, what is computed for the first time is no difference.
+    """
     found: list[Difference] = []
     for row in read_records(case.results / "failures.csv", case.root):
         found.append((case.name, "failure", f"{row['step']} {row['where']}", "", row["message"], row["task"]))
@@ -111,4 +116,4 @@ def differences(case: Case) -> list[Difference]:
     for design in case.paper.designs:
         if design not in case.designs:
             found.append((case.name, "design", design, "in designs/", "missing", "found by `gainsay search`"))
-    return found
+    return found if case.on_record else [row for row in found if row[-1] != NEW]

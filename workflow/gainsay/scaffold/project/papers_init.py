@@ -1,0 +1,1 @@
+"""One folder a paper: the data it prints and the physics only it has."""
