@@ -68,8 +68,10 @@ def test_a_new_project_outside_the_repository_is_green_at_once(built, tmp_path):
     run(commands / "gainsay", "new", "--project", project, "toy2001", cwd=tmp_path)
     run(commands / "gainsay", "lint", cwd=project)
     run(commands / "snakemake", "--cores", "2", cwd=project)  # not activated
-    assert "no numbers are on record yet" in run(commands / "gainsay", "check", cwd=project)
+    assert "toy2001: a draft" in run(commands / "gainsay", "check", cwd=project)
     run(commands / "gainsay", "record", cwd=project)
+    paper = project / "papers/toy2001/paper.toml"
+    paper.write_text(paper.read_text().replace("draft = true", ""))
     run(commands / "snakemake", "--cores", "2", cwd=project)
     assert "record: clean" in run(commands / "gainsay", "check", cwd=project)
     for file in ("index.html", "toy2001/index.html", "toy2001/logs/nominal.mcap", "toy2001/logs/nominal.rrd",

@@ -188,6 +188,8 @@ def test_a_paper_without_a_record_has_everything_not_on_record(clean):
     run(clean)
     clean.file("recorded.csv").unlink()
     assert items(clean) == {("quantity", name) for name in clean.case().quantities}
+    clean.edit("paper.toml", "year = 2000", "year = 2000\ndraft = true")
+    assert not items(clean)
 
 
 def test_an_enclosure_on_record_that_is_not_there_any_more_is_a_difference(clean):

@@ -54,11 +54,11 @@ def check(options: argparse.Namespace) -> int:
         print(f"{paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}"[:LONGEST])
     if len(found) > len(shown):
         print(f"and {len(found) - len(shown)} more, which `gainsay check` names")
-    new = [case.name for case in cases if not case.on_record]
-    if found or len(new) < len(cases):
+    drafts = [case.name for case in cases if case.paper.draft]
+    if found or len(drafts) < len(cases):
         print(record_line(found))
-    for paper in new:
-        print(f"{paper}: no numbers are on record yet, `gainsay record` puts today's there")
+    for paper in drafts:
+        print(f"{paper}: a draft, what is not on record is no difference; `gainsay record`, then take `draft` out")
     if rest:
         print(f"not checked: {', '.join(rest)}")
     return DIFFERENCES if found else CLEAN

@@ -120,11 +120,6 @@ class Case:
         """Return the nearest doubles of a printed matrix, read-only, in the unit of its row: as printed, not SI."""
         return self.printed(name).floats
 
-    @property
-    def on_record(self) -> bool:
-        """Whether anything of the paper is on record yet."""
-        return bool(self.recorded or self.recorded_scans or self.recorded_certificates)
-
     @cached_property
     def assumed(self) -> dict[str, Parameter]:
         """The parameters that the paper leaves out."""

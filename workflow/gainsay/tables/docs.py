@@ -54,7 +54,7 @@ def _type(field: FieldInfo) -> str:
         pattern = getattr(metadata, "pattern", None)
         if pattern:
             return "text matching `{}`".format(pattern.replace("|", "\\|"))
-    named = {str: "text", int: "integer"}
+    named = {str: "text", int: "integer", bool: "`true` \\| `false`"}
     return named.get(annotation, "table of names and sentences" if "dict" in str(annotation) else "list of text")
 
 

@@ -202,6 +202,7 @@ class PaperFile(BaseModel):
         default="", description="DOI without resolver; empty where the text at hand gives none"
     )
     finding: list[Filled] = Field(default=[], max_length=2, description="what was found, in two sentences")
+    draft: bool = Field(default=False, description="whether what is not on record yet is no difference")
     designs: dict[Slug, Filled] = Field(default={}, description="designs that synthesis makes: name and what it is")
     runs: dict[Slug, Filled] = Field(description="simulated runs: name and what is simulated")
     figures: dict[Slug, Filled] = Field(description="figures: name and caption")

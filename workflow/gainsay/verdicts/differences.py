@@ -92,7 +92,7 @@ def _witness_differences(case: Case) -> Iterator[Difference]:
 def differences(case: Case) -> list[Difference]:
     """Return every difference of a paper: verdicts, quantities, failures, certificates, witnesses, missing files.
 
-    Of a paper of which nothing is on record yet, what is computed for the first time is no difference.
+    Of a draft, what is not on record yet is no difference.
     """
     found: list[Difference] = []
     for row in read_records(case.results / "failures.csv", case.root):
@@ -116,4 +116,4 @@ def differences(case: Case) -> list[Difference]:
     for design in case.paper.designs:
         if design not in case.designs:
             found.append((case.name, "design", design, "in designs/", "missing", "found by `gainsay search`"))
-    return found if case.on_record else [row for row in found if row[-1] != NEW]
+    return [row for row in found if row[-1] != NEW] if case.paper.draft else found
