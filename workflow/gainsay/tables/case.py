@@ -265,7 +265,7 @@ def read_case(root: Path, paper: str) -> Case:
         quantities=table("quantities.csv", Quantity, "id"),
         claims=table("claims.csv", Claim, "id"),
         errata=table("errata.csv", Erratum, "id", needed=False),
-        not_checked=tuple(read_rows(folder / "not_checked.csv", NotChecked, root, needed=False).values()),
+        not_checked=tuple(read_rows(folder / "not_checked.csv", NotChecked, root).values()),
         recorded=table("recorded.csv", Recorded, "quantity", needed=False),
         recorded_scans=table("recorded_scans.csv", RecordedScan, ("claim", "item"), needed=False),
         recorded_certificates=table("recorded_certificates.csv", RecordedCertificate, "certificate", needed=False),
