@@ -1,12 +1,16 @@
 """A damaged log is refused with the byte where it broke: never another error, never other numbers."""
 
+import os
 import random
 import re
 import struct
+import subprocess
+import sys
 import zlib
 
 import numpy as np
 import pytest
+import zstandard
 
 from gainsay.errors import LogError
 from gainsay.logs import LogWriter, read_log
@@ -217,6 +221,135 @@ def test_a_log_of_somebody_else(tmp_path):
         read_log(tmp_path / "a.mcap")
 
 
+def record(opcode, body):
+    return struct.pack("<BQ", opcode, len(body)) + body
+
+
+def chunk(packed, size, crc=0):
+    return record(6, struct.pack("<QQQI", 0, 0, size, crc) + struct.pack("<I4sQ", 4, b"zstd", len(packed)) + packed)
+
+
+HEADER = MAGIC + record(1, struct.pack("<I7sI7s", 7, b"gainsay", 7, b"gainsay"))
+
+
+def zeros(size):
+    """So many zeros, compressed a part at a time."""
+    made = zstandard.ZstdCompressor(level=1).compressobj(size=size)
+    part = bytes(1 << 20)
+    return b"".join(made.compress(part) for _ in range(size >> 20)) + made.flush()
+
+
+@pytest.mark.parametrize("size", [(1 << 26) + 1, 1 << 31, 1 << 40, (1 << 64) - 1])
+def test_a_chunk_that_claims_too_much_is_refused_before_it_is_opened(tmp_path, monkeypatch, size):
+    monkeypatch.setattr("zstandard.ZstdDecompressor", None)  # opening it would break
+    (tmp_path / "a.mcap").write_bytes(sealed(HEADER + chunk(b"x", size)))
+    with pytest.raises(
+        LogError, match=rf"broken at byte \d+: chunk of {size} bytes after 0: expected at most 67108864"
+    ):
+        read_log(tmp_path / "a.mcap")
+
+
+def test_chunks_that_claim_too_much_together_are_refused(whole, tmp_path, monkeypatch):
+    monkeypatch.setattr("gainsay.logs.chunks.LARGEST_LOG", 1500)
+    (tmp_path / "a.mcap").write_bytes(whole[1])
+    with pytest.raises(
+        LogError, match=r"broken at byte \d+: chunk of \d+ bytes after \d+: expected at most .* 1500 in all"
+    ):
+        read_log(tmp_path / "a.mcap")
+
+
+@pytest.mark.parametrize("claimed", [1 << 20, 1 << 25])
+def test_a_chunk_that_holds_more_than_it_claims_is_refused(tmp_path, claimed):
+    (tmp_path / "a.mcap").write_bytes(sealed(HEADER + chunk(zeros(1 << 26), claimed)))
+    with pytest.raises(LogError, match="holds another size"):
+        read_log(tmp_path / "a.mcap")
+
+
+BOMB = """
+import resource, sys
+from pathlib import Path
+from gainsay.errors import LogError
+from gainsay.logs import read_log
+try:
+    read_log(Path(sys.argv[1]))
+except LogError as error:
+    print(error)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [1 << 26, 1800 << 20])
+def test_a_small_file_takes_little_memory_whatever_it_unpacks_to(tmp_path, size):
+    """1.8 GB of zeros in 58 kB, and the most that a chunk may hold: refused in under 300 MB of a whole process."""
+    path = tmp_path / "a.mcap"
+    path.write_bytes(sealed(HEADER + chunk(zeros(size), size, zlib.crc32(bytes(size)) if size <= 1 << 26 else 0)))
+    assert path.stat().st_size < 200_000
+    done = subprocess.run([sys.executable, "-c", BOMB, str(path)], capture_output=True, text=True, check=True)
+    refusal, most = done.stdout.splitlines()
+    print(f"a log of {path.stat().st_size} bytes that unpacks to {size >> 20} MB: {most} MB, {refusal}")
+    assert "broken at byte" in refusal
+    assert int(most) < 300
+
+
+@pytest.mark.parametrize(
+    ("kind", "topic", "fields", "count"),
+    [
+        ("extreme", "/extremes", ("a", "a_time", "a_second"), 0),
+        ("extreme", "/extremes", ("a", "a_time", "a_second"), 2),
+        ("extreme", "/extremes", ("a", "a_second", "a_time"), 1),
+        ("extreme", "/extremes", ("a", "a_time"), 1),
+        ("extreme", "/extremes", (), 1),
+        ("extreme", "/elsewhere", ("a", "a_time", "a_second"), 1),
+        ("summary", "/summary", ("a",), 3),
+        ("summary", "/summary", (), 1),
+        ("summary", "/elsewhere", ("a",), 1),
+        ("bound", "/bounds/a", ("lower",), 1),
+        ("bound", "/bounds/a", ("lower", "middle"), 2),
+        ("bound", "/bounds/a", (), 2),
+        ("bound", "/elsewhere", ("lower",), 2),
+    ],
+)
+def test_a_topic_of_a_kind_holds_what_its_kind_holds(tmp_path, kind, topic, fields, count):
+    """A log may say of any topic that it is an extreme; one without a value, or with many, has no value to read."""
+    path = tmp_path / "a.mcap"
+    with LogWriter(path, provenance={}) as log:
+        log._numbers(topic, dict.fromkeys(fields, "N"), kind, np.arange(float(count)), np.zeros((count, len(fields))))
+    with pytest.raises(LogError, match=rf"a\.mcap: {count} messages of .* on {topic}, of the kind {kind}: expected"):
+        read_log(path)
+
+
+def test_time_that_runs_back_is_refused(tmp_path):
+    """Right checksums, numbers and counts do not help: the writer would not have written it."""
+    path = tmp_path / "a.mcap"
+    with LogWriter(path, provenance={}) as log:
+        log.signal("/a", {"x": "m"}, [0.0, 1.0, 2.0], np.zeros((3, 1)))
+    data = path.read_bytes()
+    _, start, end = next(r for r in records(data) if r[0] == 6)
+    plain = zstandard.ZstdDecompressor().decompress(data[start + 9 + 28 + 8 + 8 : end])
+    for time, refused_ in ((2.0, False), (1.0, False), (0.5, True)):
+        # The last of three messages of 49 bytes: log time, publish time, tag, seconds, tag, value.
+        stamp = struct.pack("<QQBd", round(time * 1e9), round(time * 1e9), 9, time)
+        other = plain[: -49 + 15] + stamp + plain[-49 + 15 + len(stamp) :]
+        made = chunk(zstandard.ZstdCompressor().compress(other), len(other), zlib.crc32(other))
+        path.write_bytes(resealed(data, data[:start] + made + data[end : records(data)[-1][1]]))
+        if refused_:
+            with pytest.raises(LogError, match=r"message of /a: number or time"):
+                read_log(path)
+        else:
+            assert read_log(path)["/a"].time.tolist() == [0.0, 1.0, time]
+
+
+def test_what_is_no_file_is_no_log(tmp_path):
+    path = tmp_path / "a.mcap"
+    for make in (path.mkdir, lambda: os.mkfifo(path), lambda: path.symlink_to("a.mcap"),
+                 lambda: path.symlink_to("/dev/zero")):  # fmt: skip
+        make()
+        with pytest.raises(LogError, match=r"a\.mcap: .*expected a (regular|readable) file"):
+            read_log(path)
+        path.rmdir() if path.is_dir() and not path.is_symlink() else path.unlink()
+
+
 def test_no_file(tmp_path):
-    with pytest.raises(LogError, match="No such file"):
+    with pytest.raises(LogError, match="file not found"):
         read_log(tmp_path / "a.mcap")

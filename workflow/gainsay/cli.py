@@ -207,15 +207,21 @@ def replay(options: argparse.Namespace) -> int:
     """Recompute every quantity and figure of a run from its log alone and say where they differ from those on file."""
     from gainsay.steps.replay import replay as replay_log
 
-    differing = 0
+    code = CLEAN
     for path in options.logs:
-        name, found = replay_log(options.root, path.resolve(), figures=not options.numbers_only)
+        try:
+            name, found = replay_log(options.root, path.resolve(), figures=not options.numbers_only)
+        except InputError as error:  # one bad log hides no other
+            code = refuse(error)
+            continue
         for line in found:
-            print(f"{name}  {line}")
+            print(f"{name}  {line}"[:LONGEST])
         if not found:
-            print(f"{name}  every quantity and figure is as on file")
-        differing += bool(found)
-    return DIFFERENCES if differing else CLEAN
+            what = "quantity" if options.numbers_only else "quantity and figure"
+            print(f"{name}  samples, parameters and every {what} are as on file")
+        elif code == CLEAN:
+            code = DIFFERENCES
+    return code
 
 
 def _add_log_commands(add: Callable[..., argparse.ArgumentParser]) -> None:

@@ -1,7 +1,7 @@
 """What is behind `gainsay logs`, `gainsay view` and `make gallery`: plain functions that print and return exit codes.
 
-Exit codes: 0 done, 1 a picture shows a broken or empty view, 3 the viewer cannot run here (nothing was checked). Bad
-input raises InputError, which the command line turns into 2.
+Exit codes: 0 done, 1 a picture shows a broken or empty view, 2 a log cannot be read, 3 the viewer cannot run here
+(nothing was checked). Other bad input raises InputError, which the command line turns into 2.
 """
 
 import os
@@ -35,10 +35,19 @@ def _paper(mcap: Path) -> str:
 
 
 def list_logs(root: Path, paper: str | None = None) -> int:
-    """Print every run with its duration, topics and size: aligned on a terminal, tab-separated elsewhere."""
+    """Print every run with its duration, topics and size: aligned on a terminal, tab-separated elsewhere.
+
+    A log that cannot be read is named on stderr and hides no other; the exit code is then 2.
+    """
     rows = [("paper", "run", "duration [s]", "topics", "messages", "size [B]")]
+    code = 0
     for mcap in log_files(root, paper):
-        log = read_log(mcap)
+        try:
+            log = read_log(mcap)
+        except LogError as error:
+            print(f"bad input: {_paper(mcap)}  {error}", file=sys.stderr)
+            code = 2
+            continue
         messages = sum(log.count(topic) for topic in log.topics)
         row = (_paper(mcap), mcap.stem, f"{log.duration:g}", len(log.topics), messages, log.size)
         rows.append(tuple(str(cell) for cell in row))
@@ -51,7 +60,7 @@ def list_logs(root: Path, paper: str | None = None) -> int:
     else:
         for row in rows:
             print("\t".join(row))
-    return 0
+    return code
 
 
 def view(root: Path, paper: str, run: str | None = None, *, web: bool = False) -> int:

@@ -36,6 +36,9 @@ from gainsay.errors import InputError
 MAGIC = b"\x89MCAP0\r\n"
 PROFILE = LIBRARY = "gainsay"
 COMPRESSION = "zstd"
+#: bytes of a chunk before compression, of any other record, and of all chunks of a log together, at most
+LARGEST_CHUNK = LARGEST_RECORD = 1 << 26
+LARGEST_LOG = 1 << 32
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 _CHUNK_HEAD = struct.Struct("<QQQI")
 
@@ -47,22 +50,40 @@ def _packed(record: object) -> bytes:
 
 
 class _Waiting:
-    """Messages of one channel that wait in the spool: time, place and size of each."""
+    """Messages of one channel that wait in the spool: the time of each; place, size and number of each block."""
 
     def __init__(self) -> None:
         self.count = 0
-        self._blocks: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+        self.times = np.empty(0, dtype="<u8")
+        self._times: list[np.ndarray] = []
+        self._blocks: list[tuple[int, int, int]] = []  # number of the first message, its place, bytes of each
 
     def add(self, times: np.ndarray, start: int, width: int) -> None:
         """Note a block of messages of `width` bytes each that starts at byte `start` of the spool."""
-        places = start + width * np.arange(len(times), dtype=np.int64)
-        self._blocks.append((times.astype("<u8"), places, np.full(len(times), width, dtype=np.int64)))
+        self._times.append(times.astype("<u8"))
+        self._blocks.append((self.count, start, width))
         self.count += len(times)
 
-    def rows(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Times, places and sizes of all, in the order of writing, which is that of time."""
-        times, places, sizes = (np.concatenate(parts) for parts in zip(*self._blocks, strict=True))
-        return times, places, sizes
+    def close(self) -> None:
+        """Put the times into one array, in the order of writing, which is that of time."""
+        self.times, self._times = np.concatenate(self._times), []
+        self._first, self._place, self._width = np.array(self._blocks, dtype=np.int64).T
+
+    def rows(self, start: int, stop: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return places and sizes of some messages."""
+        number = np.arange(start, stop)
+        block = np.searchsorted(self._first, number, side="right") - 1
+        sizes = self._width[block]
+        return self._place[block] + (number - self._first[block]) * sizes, sizes
+
+    def weights(self, size: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return times in steps of about `size` bytes at most, and the bytes from each to the next."""
+        step = max(1, size // int(self._width.max()))
+        number = np.arange(0, self.count, step)
+        _, sizes = (
+            self.rows(0, self.count) if step == 1 else (None, np.full(len(number), step * int(self._width.max())))
+        )
+        return self.times[number], sizes
 
 
 class Container:
@@ -149,19 +170,23 @@ class Container:
 
     def _write_chunks(self) -> None:
         """Write everything that waits, each chunk a stretch of time; the first begins with schemas and channels."""
-        rows = {channel: waiting.rows() for channel, waiting in sorted(self._waiting.items())}
+        waiting = dict(sorted(self._waiting.items()))
+        for rows in waiting.values():
+            rows.close()
         head = b"".join(_packed(record) for record in (*self._schemas, *self._channels))
-        for first, last in _stretches(rows, self._chunk_size) if rows else ([(0, 0)] if head else ()):
+        for first, last in _stretches(waiting, self._chunk_size) if waiting else ([(0, 0)] if head else ()):
             parts, index, size = [head], {}, len(head)
-            for channel, (times, places, sizes) in rows.items():
+            for channel, rows in waiting.items():
                 # Unsigned as the times are: numpy would compare them as doubles with other integers.
-                here = slice(*np.searchsorted(times, np.array([first, last], dtype=np.uint64), side="left"))
-                if here.start == here.stop:
+                ends = np.searchsorted(rows.times, np.array([first, last], dtype=np.uint64), side="left")
+                start, stop = (int(end) for end in ends)
+                if start == stop:
                     continue
-                parts += self._spooled(places[here], sizes[here])
-                offsets = size + np.cumsum(sizes[here]) - sizes[here]
-                index[channel] = np.stack([times[here], offsets.astype("<u8")], axis=1)
-                size += int(sizes[here].sum())
+                places, sizes = rows.rows(start, stop)
+                parts += self._spooled(places, sizes)
+                offsets = size + np.cumsum(sizes) - sizes
+                index[channel] = np.stack([rows.times[start:stop], offsets.astype("<u8")], axis=1)
+                size += int(sizes.sum())
             self._chunk(b"".join(parts), index)
             head = b""
 
@@ -173,6 +198,8 @@ class Container:
             yield self._spool.read(int(places[stop - 1] + sizes[stop - 1] - places[start]))
 
     def _chunk(self, plain: bytes, index: Mapping[int, np.ndarray]) -> None:
+        if len(plain) > LARGEST_CHUNK:
+            raise InputError("bytes of one instant", value=len(plain), expected=f"at most {LARGEST_CHUNK}")
         packed = self._compressor.compress(plain)
         first = min((int(entries[0, 0]) for entries in index.values()), default=0)
         last = max((int(entries[-1, 0]) for entries in index.values()), default=0)
@@ -257,11 +284,12 @@ class Container:
         self._write(MAGIC)
 
 
-def _stretches(rows: Mapping[int, tuple[np.ndarray, np.ndarray, np.ndarray]], size: int) -> list[tuple[int, int]]:
+def _stretches(waiting: Mapping[int, _Waiting], size: int) -> list[tuple[int, int]]:
     """Split the time of all messages into stretches ``first <= t < last`` of about `size` bytes each."""
-    times = np.concatenate([row[0] for row in rows.values()])
+    found = [rows.weights(size // 16) for rows in waiting.values()]
+    times = np.concatenate([times for times, _ in found])
     order = np.argsort(times, kind="stable")
-    filled = np.cumsum(np.concatenate([row[2] for row in rows.values()])[order])
+    filled = np.cumsum(np.concatenate([sizes for _, sizes in found])[order])
     begins = np.flatnonzero(np.diff((filled - 1) // size, prepend=-1))
     edges = [int(edge) for edge in np.unique(times[order][begins])]
-    return list(zip(edges, [*edges[1:], int(times.max()) + 1], strict=True))
+    return list(zip(edges, [*edges[1:], max(int(rows.times[-1]) for rows in waiting.values()) + 1], strict=True))

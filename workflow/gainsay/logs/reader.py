@@ -1,30 +1,34 @@
 """Reading a log back: the same doubles, or an error that says where the file broke."""
 
-from collections.abc import Iterator, Mapping
+import os
+import weakref
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 import numpy as np
 from google.protobuf.message import DecodeError
 
-from gainsay.errors import LogError
-from gainsay.logs.scan import RawChannel, RawLog, scan
+from gainsay.errors import InputError, LogError
+from gainsay.logs.scan import RawChannel, RawLog, again, columns_of, scan
 from gainsay.logs.schemas import foxglove_class
-from gainsay.logs.writer import EVENTS, LEVELS, PROVENANCE
+from gainsay.logs.writer import EVENTS, EXTREMES, LEVELS, PROVENANCE, SUMMARY
+from gainsay.tables.files import open_regular
 
 if TYPE_CHECKING:
     import pandas
 
-_KINDS = ("signal", "bound", "extreme", "summary")
 _MESSAGES = {"events": "Log", "transforms": "FrameTransforms", "scene": "SceneUpdate"}
 
 
-@dataclass(frozen=True)
 class Signal:
     """Samples of one topic.
+
+    Those of a small log are kept in memory; those of a large one are read from the file at each access, so that a
+    column of ten million samples takes 80 MB and no more.
 
     Attributes
     ----------
@@ -33,17 +37,40 @@ class Signal:
         Names of the columns.
     units : mapping of str to str
         Unit of each field.
+    count : int
+        Number of samples N.
     time : (N,) ndarray
         Seconds from the simulation's zero.
     values : (N, k) ndarray
         One column for each field, bit for bit as written.
     """
 
-    topic: str
-    fields: tuple[str, ...]
-    units: Mapping[str, str]
-    time: np.ndarray
-    values: np.ndarray
+    def __init__(
+        self, topic: str, units: Mapping[str, str], count: int, load: Callable[[range], np.ndarray], keep: bool
+    ) -> None:
+        self.topic, self.count = topic, count
+        self.units: Mapping[str, str] = MappingProxyType(dict(units))
+        self.fields = tuple(units)
+        self._load, self._keep = load, keep
+        self._kept: dict[range, np.ndarray] = {}
+
+    def _columns(self, columns: range) -> np.ndarray:
+        if columns in self._kept:
+            return self._kept[columns]
+        found = self._load(columns)
+        if self._keep:
+            self._kept[columns] = found
+        return found
+
+    @property
+    def time(self) -> np.ndarray:
+        """Seconds from the simulation's zero."""
+        return self._columns(range(1))[:, 0]
+
+    @property
+    def values(self) -> np.ndarray:
+        """One column for each field."""
+        return self._columns(range(1, len(self.fields) + 1))
 
     def column(self, field: str) -> np.ndarray:
         """Return the samples (N,) of one field.
@@ -55,7 +82,8 @@ class Signal:
         """
         if field not in self.fields:
             raise LogError(f"no field in {self.topic}", value=field, expected="one of " + ", ".join(self.fields))
-        return self.values[:, self.fields.index(field)]
+        place = self.fields.index(field)
+        return self.values[:, place] if self._keep else self._load(range(place + 1, place + 2))[:, 0]
 
     def columns(self, *fields: str) -> np.ndarray:
         """Return the samples (N, len(fields)) of several fields."""
@@ -68,6 +96,18 @@ class Signal:
         table = pandas.DataFrame(self.values, columns=list(self.fields), index=pandas.Index(self.time, name="time"))
         table.attrs["units"] = dict(self.units)
         return table
+
+
+class _Named(dict):
+    """Numbers of a log by name; one that is not there is said to be missing from the log."""
+
+    def __init__(self, file: str, kind: str) -> None:
+        super().__init__()
+        self.file, self.kind = file, kind
+
+    def __missing__(self, name: str) -> Any:
+        expected = f"one of {', '.join(self)}" if self else "a log that has one"
+        raise LogError(f"no {self.kind}", file=self.file, value=name, expected=expected)
 
 
 @dataclass(frozen=True)
@@ -97,6 +137,24 @@ class Extreme(NamedTuple):
     second: float
 
 
+def _extremes(found: Signal) -> dict[str, Extreme]:
+    """Extremes of a message: of each its value, its time and its second value; nothing where a field is another."""
+    names, row = found.fields[::3], found.values[0].tolist()
+    if found.fields != tuple(field for name in names for field in (name, f"{name}_time", f"{name}_second")):
+        return {}
+    return {name: Extreme(row[k + 1], row[k], row[k + 2]) for k, name in zip(range(0, len(row), 3), names, strict=True)}
+
+
+def _summaries(found: Signal) -> dict[str, float]:
+    return dict(zip(found.fields, found.values[0].tolist(), strict=True))
+
+
+def _bound(found: Signal) -> dict[str, dict[str, float]]:
+    if not set(found.fields) <= {"lower", "upper"} or not found.fields:
+        return {}
+    return {found.topic.removeprefix("/bounds/"): _summaries(found)}
+
+
 class Log(Mapping[str, Signal]):
     """Contents of one log: a mapping from topic to `Signal`.
 
@@ -114,49 +172,45 @@ class Log(Mapping[str, Signal]):
         ``lower`` and ``upper`` of each bound.
     """
 
-    def __init__(self, path: Path, raw: RawLog, size: int) -> None:
-        self.path, self.size = path, size
+    def __init__(self, path: Path, raw: RawLog, stream: BinaryIO) -> None:
+        self.path, self.size = path, os.fstat(stream.fileno()).st_size
         self.metadata: Mapping[str, str] = MappingProxyType(raw.metadata.get(PROVENANCE, {}))
         self.attachments: Mapping[str, bytes] = MappingProxyType(raw.attachments)
+        self._content, self._stream = raw, stream
+        if raw.keeps:
+            stream.close()
+        else:
+            weakref.finalize(self, stream.close)
         self._raw = {channel.topic: channel for channel in raw.channels.values()}
         self._signals = {topic: self._signal(raw) for topic, raw in self._raw.items() if raw.width is not None}
-        self.extremes = MappingProxyType(
-            {
-                name: Extreme(time, value, second)
-                for _, found in self._of_kind("extreme")
-                for name, value, time, second in zip(
-                    found.fields[::3], *(found.values[0, start::3].tolist() for start in range(3)), strict=True
-                )
-            }
-        )
-        self.summaries = MappingProxyType(
-            {
-                name: value
-                for _, found in self._of_kind("summary")
-                for name, value in zip(found.fields, found.values[0].tolist(), strict=True)
-            }
-        )
-        self.bounds = MappingProxyType(
-            {
-                topic.removeprefix("/bounds/"): dict(zip(found.fields, found.values[0].tolist(), strict=True))
-                for topic, found in self._of_kind("bound")
-            }
-        )
+        self.extremes: Mapping[str, Extreme] = self._named("extreme", EXTREMES, _extremes)
+        self.summaries: Mapping[str, float] = self._named("summary", SUMMARY, _summaries)
+        self.bounds: Mapping[str, Mapping[str, float]] = self._named("bound", "/bounds/", _bound)
 
-    def _of_kind(self, kind: str) -> list[tuple[str, Signal]]:
-        found = [(t, s) for t, s in self._signals.items() if self._raw[t].metadata.get("kind") == kind]
-        for topic, signal in found:
-            if not len(signal.time):
-                raise LogError(f"no message on {topic}", file=self.path.name, expected="one at least")
-        return found
+    def _named(self, kind: str, place: str, read: Callable[[Signal], Mapping[str, Any]]) -> Mapping[str, Any]:
+        """Return what the topics of a kind hold, by name."""
+        named = _Named(self.path.name, kind)
+        for topic, signal in self._signals.items():
+            if self.kind(topic) != kind:
+                continue
+            # as many messages as the writer gives such a topic: one, or a bound at both ends of the time
+            counted = signal.count == (2 if kind == "bound" else 1)
+            found = (
+                read(signal) if counted and (topic == place or (kind == "bound" and topic.startswith(place))) else {}
+            )
+            if not found:
+                what = f"{signal.count} messages of {', '.join(signal.fields) or 'nothing'} on {topic}"
+                raise LogError(f"{what}, of the kind {kind}", file=self.path.name, expected="what a log has of it")
+            named.update(found)
+        return MappingProxyType(named)
 
-    @staticmethod
-    def _signal(raw: RawChannel) -> Signal:
-        data = np.concatenate(raw.blocks) if raw.blocks else np.empty((0, raw.width))
+    def _signal(self, raw: RawChannel) -> Signal:
         units = {key.removeprefix("unit."): unit for key, unit in raw.metadata.items() if key.startswith("unit.")}
         units.pop("time")
-        values = np.ascontiguousarray(data[:, 1:])
-        return Signal(raw.topic, tuple(units), MappingProxyType(units), data[:, 0].copy(), values)
+        content, stream, file = self._content, self._stream, self.path.name
+        return Signal(
+            raw.topic, units, raw.count, lambda columns: columns_of(stream, file, content, raw, columns), content.keeps
+        )
 
     def __getitem__(self, topic: str) -> Signal:
         try:
@@ -190,16 +244,18 @@ class Log(Mapping[str, Signal]):
     @property
     def duration(self) -> float:
         """Last time of any signal, s."""
-        return max((float(found.time[-1]) for found in self._signals.values() if len(found.time)), default=0.0)
+        return max((self._raw[topic].last for topic in self._signals), default=0.0)
 
     def messages(self, topic: str) -> list[tuple[float, Any]]:
         """Time and protobuf message of every message on a topic for viewers (events, transforms, scene)."""
         raw = self._raw.get(topic)
-        if raw is None or self.kind(topic) not in _MESSAGES:
+        if raw is None or raw.width is not None or self.kind(topic) not in _MESSAGES:
             raise LogError("no messages for viewers on", file=self.path.name, value=topic)
         kind = foxglove_class(_MESSAGES[self.kind(topic)])
+        kept = self._content.keeps
         try:
-            return [(time / 1e9, kind.FromString(data)) for time, data in raw.messages]
+            found = raw.messages if kept else again(self._stream, self.path.name, self._content, raw)
+            return [(time / 1e9, kind.FromString(data)) for time, data in found]
         except DecodeError:
             raise LogError(f"message of {topic} does not decode", file=self.path.name) from None
 
@@ -238,7 +294,11 @@ def read_log(path: Path) -> Log:
     """
     path = Path(path)
     try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise LogError(error.strerror or "cannot be read", file=str(path)) from None
-    return Log(path, scan(data, path.name), len(data))
+        stream = open_regular(path)
+    except InputError as error:
+        raise LogError(error.message, file=str(path), expected=error.expected) from None
+    try:
+        return Log(path, scan(stream, path.name), stream)
+    except BaseException:
+        stream.close()
+        raise

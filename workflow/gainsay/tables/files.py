@@ -10,6 +10,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import BinaryIO
 
 from gainsay.errors import InputError, one_line
 
@@ -122,13 +123,13 @@ def _reason(error: OSError | ValueError) -> str:
     return (getattr(error, "strerror", None) or "no name of a file").lower()
 
 
-def read_bytes(path: Path, root: Path | None = None, *, most: int = LARGEST) -> bytes:
-    """Read a regular file.
+def open_regular(path: Path, root: Path | None = None) -> BinaryIO:
+    """Open a regular file for reading bytes.
 
     Raises
     ------
     InputError
-        If it is missing, unreadable, larger than `most` bytes, or no regular file: a pipe would never end.
+        If it is missing, unreadable, or no regular file: a pipe would never end.
     """
     file = shown(path, root)
     try:
@@ -137,18 +138,29 @@ def read_bytes(path: Path, root: Path | None = None, *, most: int = LARGEST) -> 
         raise InputError("file not found", file=file, expected="a readable file") from None
     except (OSError, ValueError) as error:
         raise InputError(_reason(error), file=file, expected="a readable file") from None
-    try:
-        about = os.fstat(handle)
-        if not stat.S_ISREG(about.st_mode):
-            raise InputError("not a file", file=file, expected="a regular file")
-        if about.st_size > most:
-            raise InputError(file=file, value=about.st_size, expected=f"a file of at most {most} bytes")
-        with open(handle, "rb", closefd=False) as stream:
-            return stream.read(most + 1)
-    except OSError as error:
-        raise InputError(_reason(error), file=file, expected="a readable file") from None
-    finally:
+    if not stat.S_ISREG(os.fstat(handle).st_mode):
         os.close(handle)
+        raise InputError("not a file", file=file, expected="a regular file")
+    return os.fdopen(handle, "rb")
+
+
+def read_bytes(path: Path, root: Path | None = None, *, most: int = LARGEST) -> bytes:
+    """Read a regular file.
+
+    Raises
+    ------
+    InputError
+        As `open_regular`, or if it is larger than `most` bytes or cannot be read to its end.
+    """
+    file = shown(path, root)
+    with open_regular(path, root) as stream:
+        try:
+            data = stream.read(most + 1)
+        except OSError as error:
+            raise InputError(_reason(error), file=file, expected="a readable file") from None
+    if len(data) > most:
+        raise InputError("too large", file=file, expected=f"a file of at most {most} bytes")
+    return data
 
 
 def read_text(path: Path, root: Path | None = None) -> str:
