@@ -40,14 +40,17 @@ class Fields:
         return start
 
     def number(self, kind: str) -> int:
+        """An integer, by its letter in `struct`."""
         return struct.unpack_from("<" + kind, self.data, self._take(struct.calcsize("<" + kind)))[0]
 
     def blob(self, kind: str = "I") -> bytes:
+        """Bytes behind their number."""
         size = self.number(kind)
         start = self._take(size)
         return bytes(self.data[start : start + size])
 
     def text(self) -> str:
+        """Text behind its number of bytes."""
         start = self.at
         try:
             return self.blob().decode()
@@ -55,6 +58,7 @@ class Fields:
             raise self.where.error("text that is no UTF-8", self.offset + start) from None
 
     def pairs(self) -> dict[str, str]:
+        """A map of texts, each key once."""
         size = self.number("I")
         end = self._take(size) + size
         inner = Fields(self.data, end - size, end, self.where, self.offset)
@@ -68,6 +72,7 @@ class Fields:
         return found
 
     def done(self) -> None:
+        """Refuse a record that goes on."""
         if self.at != self.end:
             raise self.where.error(f"{self.end - self.at} bytes too many in the record", self.offset + self.at)
 
@@ -80,6 +85,7 @@ class Place:
     chunk: int | None = None
 
     def error(self, message: str, offset: int, expected: str | None = None) -> LogError:
+        """Return the error that names a byte."""
         place = f"byte {offset}" if self.chunk is None else f"byte {offset} of the chunk at byte {self.chunk}"
         return LogError(f"broken at {place}: {message}", file=self.file, expected=expected)
 
