@@ -10,9 +10,14 @@ from fractions import Fraction
 from types import SimpleNamespace
 
 import numpy as np
+from flint import acb, arb
 
 from gainsay.dynamics.flexible import FlexibleBody
 from gainsay.errors import InputError
+from gainsay.exact.ball import lower, precision, upper
+from gainsay.exact.rational import to_fmpq
+from gainsay.systems.norm_bounds import above, below
+from gainsay.systems.spectrum import ROOT_BITS, rational, roots
 
 SHAPES = {"A": (6, 6), "B": (6, 3), "C": (3, 6)}
 """Shapes of the gains of (8): controller state 6, measured angles 3, torque 3."""
@@ -209,8 +214,8 @@ def flexible(k: Constants, delta=(0, 0, 0)) -> SimpleNamespace:
     return SimpleNamespace(A=A, B=B, C=C)
 
 
-def controller(case, name: str) -> SimpleNamespace:
-    """Printed gains of (8): ``proposed``, or ``comparison`` (the paper's reference [39]).
+def controller(case, name: str, exact: bool = False) -> SimpleNamespace:
+    """Printed gains of (8): ``proposed``, or ``comparison`` (the paper's reference [39]), as floats or exactly.
 
     Raises
     ------
@@ -220,9 +225,19 @@ def controller(case, name: str) -> SimpleNamespace:
     suffix = {"proposed": "", "comparison": "39"}.get(name)
     if suffix is None:
         raise InputError(field="controller", value=name, expected="proposed or comparison")
-    gains = {letter: case.matrix(f"{letter}f{suffix}") for letter in "ABC"}
-    check_gains(gains["A"], gains["B"], gains["C"])
-    return SimpleNamespace(**gains)
+    printed = {letter: case.printed(f"{letter}f{suffix}") for letter in "ABC"}
+    return gains_of(_entries(printed, exact))
+
+
+def exact_gains(case, name: str) -> SimpleNamespace:
+    """Gains as rationals of a printed controller or of one of our designs."""
+    if name in case.designs:
+        return gains_of(_entries(case.designs[name].matrices, exact=True))
+    return controller(case, name, exact=True)
+
+
+def _entries(printed: Mapping, exact: bool) -> dict[str, np.ndarray]:
+    return {letter: np.array(printed[letter].exact if exact else printed[letter].floats) for letter in "ABC"}
 
 
 def check_gains(A, B, C) -> None:
@@ -252,9 +267,10 @@ def closed_loop(plant, gains, fa=None, fb=None, fc=None) -> np.ndarray:
     ndarray, shape (..., n + 6, n + 6)
     """
     check_gains(gains.A, gains.B, gains.C)
-    fa = np.ones(6) if fa is None else np.asarray(fa)
-    fb = np.ones(3) if fb is None else np.asarray(fb)
-    fc = np.ones(3) if fc is None else np.asarray(fc)
+    one = np.ones(6, dtype=int) if plant.A.dtype == object else np.ones(6)
+    fa = one if fa is None else np.asarray(fa)
+    fb = one[:3] if fb is None else np.asarray(fb)
+    fc = one[:3] if fc is None else np.asarray(fc)
     lead = np.broadcast_shapes(fa.shape[:-1], fb.shape[:-1], fc.shape[:-1], plant.A.shape[:-2])
     m = plant.A.shape[-1]
     loop = np.empty((*lead, m + 6, m + 6), dtype=plant.A.dtype)
@@ -263,6 +279,25 @@ def closed_loop(plant, gains, fa=None, fb=None, fc=None) -> np.ndarray:
     loop[..., m:, :m] = (gains.B * fb[..., None, :]) @ plant.C
     loop[..., m:, m:] = gains.A * fa[..., None, :]
     return loop
+
+
+def enclosed_poles(A: np.ndarray, of: Callable[[acb], arb]) -> dict[str, float]:
+    """Largest value of a function of the eigenvalues of a rational matrix: nearest double, and ends of its ball."""
+    with precision(ROOT_BITS):
+        found = [of(ball) for ball, _ in roots(rational(A).charpoly())]
+        least = max(lower(value) for value in found)
+        most = max(upper(value) for value in found)
+    return {"value": float((least + most) / 2), "lower": below(arb(to_fmpq(least))), "upper": above(arb(to_fmpq(most)))}
+
+
+def enclosed_loop(case, name: str) -> dict[str, dict[str, float]]:
+    """Disk reach and abscissa of (10) with the gains of a controller, over the tables' digits in balls."""
+    loop = closed_loop(rigid(constants(case, exact=True)), exact_gains(case, name))
+    centre = arb(to_fmpq(case.exact("disk_centre")))
+    return {
+        "disk_radius": enclosed_poles(loop, lambda s: abs(s + centre)),
+        "abscissa": enclosed_poles(loop, lambda s: s.real),
+    }
 
 
 def disturbance(case, k: Constants) -> np.ndarray:
