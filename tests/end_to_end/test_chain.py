@@ -276,7 +276,7 @@ def test_an_unknown_paper_is_bad_input_for_every_step(toy):
     for name in STEPS:
         done = step(toy.root, name, "none")
         assert (done.returncode, done.stdout) == (2, ""), name
-        assert done.stderr == "bad input: unknown paper 'none': expected toy\n"
+        assert done.stderr == "bad input: unknown paper 'none': expected one of toy\n"
     assert not (toy.root / "results").exists()
 
 

@@ -10,7 +10,21 @@ from gainsay.steps.modules import paper_module
 from gainsay.tables import read_case
 from gainsay.tables.results import Results
 
-COMMANDS = ["new", "lint", "check", "record", "docs", "prove", "logs", "view", "gallery", "replay"]
+COMMANDS = [
+    "new",
+    "explain",
+    "status",
+    "diff",
+    "lint",
+    "check",
+    "record",
+    "docs",
+    "prove",
+    "logs",
+    "view",
+    "gallery",
+    "replay",
+]
 
 
 def command(project, *arguments):
@@ -33,7 +47,7 @@ def test_bad_input_is_one_line_on_standard_error_and_exit_code_2(project, capsys
 
 def test_unknown_papers_and_a_missing_project(project, tmp_path, capsys):
     assert command(project, "lint", "none") == 2
-    assert capsys.readouterr().err == "bad input: unknown paper 'none': expected toy\n"
+    assert capsys.readouterr().err == "bad input: unknown paper 'none': expected one of toy\n"
     assert cli.main(["--root", str(tmp_path), "lint"]) == 2
     assert "not inside a project" in capsys.readouterr().err
 

@@ -276,7 +276,7 @@ def test_step_joins_the_verdicts_of_all_papers(root, capsys):
 def test_step_refuses_an_unknown_paper_in_one_line(root, capsys):
     assert main(["toy2001", "nobody1999", "--root", str(root)]) == 2
     said = capsys.readouterr().err
-    assert said == "bad input: unknown paper 'nobody1999': expected bare2002, toy2001\n"
+    assert said == "bad input: unknown paper 'nobody1999': expected one of bare2002, toy2001\n"
     assert not (root / "results" / "index.html").exists()
 
 

@@ -40,6 +40,7 @@ def check(options: argparse.Namespace) -> int:
     """Say whether files, certificates, numbers and verdicts are as on record; writes nothing."""
     from gainsay.steps.check import check as differing
     from gainsay.steps.check import shared_differences
+    from gainsay.steps.machine_readable import annotations, write_junit
     from gainsay.verdicts.published import published_rows, record_line, summary
 
     cases = [read_case(options.root, paper) for paper in _papers(options.root, options.papers)]
@@ -54,6 +55,10 @@ def check(options: argparse.Namespace) -> int:
         print(f"{paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}"[:LONGEST])
     if len(found) > len(shown):
         print(f"and {len(found) - len(shown)} more, which `gainsay check` names")
+    if options.junit is not None:
+        write_junit(options.junit.resolve(), cases, found)
+    for line in annotations(cases, found) if options.annotations else ():
+        print(line)
     drafts = [case.name for case in cases if case.paper.draft]
     if found or len(drafts) < len(cases):
         print(record_line(found))
@@ -61,6 +66,32 @@ def check(options: argparse.Namespace) -> int:
         print(f"{paper}: a draft, what is not on record is no difference; `gainsay record`, then take `draft` out")
     if rest:
         print(f"not checked: {', '.join(rest)}")
+    return DIFFERENCES if found else CLEAN
+
+
+def explain(options: argparse.Namespace) -> int:
+    """Say all that the verdict on a claim rests on: sentence, table rows, number, evidence, and how to check it."""
+    from gainsay.steps.explain import explain as lines_on
+
+    print("\n".join(lines_on(read_case(options.root, options.paper), options.claim)))
+    return CLEAN
+
+
+def status(options: argparse.Namespace) -> int:
+    """Say in a line a paper where its results stand; computes nothing."""
+    from gainsay.steps.explain import status as lines_on
+
+    print("\n".join(lines_on(options.root, _papers(options.root, options.papers))))
+    return CLEAN
+
+
+def diff(options: argparse.Namespace) -> int:
+    """Say in what two folders of results differ."""
+    from gainsay.steps.between import between
+
+    found = list(between(options.one, options.other))
+    for line in found:
+        print(line)
     return DIFFERENCES if found else CLEAN
 
 
@@ -168,6 +199,15 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("papers", nargs="*", help="folder names below papers/; default: all")
         if work is check:
             command.add_argument("--brief", action="store_true", help=f"name {MOST_LINES} differences at most")
+            command.add_argument("--junit", type=Path, metavar="FILE", help="write JUnit XML there as well")
+            command.add_argument("--annotations", action="store_true", help="as annotations for GitHub Actions as well")
+    explaining = add("explain", explain)
+    explaining.add_argument("paper", help="folder name below papers/")
+    explaining.add_argument("claim", help="id of a claim of claims.csv")
+    add("status", status).add_argument("papers", nargs="*", help="default: all")
+    comparing = add("diff", diff)
+    comparing.add_argument("one", type=Path, help="a folder of results")
+    comparing.add_argument("other", type=Path, help="another one")
     making = add("new", new)
     making.add_argument("id", help="name of the paper's folder, such as wan2014")
     making.add_argument("--project", type=Path, metavar="DIR", help="make a project of its own in this empty folder")
@@ -241,7 +281,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code."""
     options = _parser().parse_args(arguments)
     try:
-        if getattr(options, "project", None) is None:  # the one command that makes a project
+        if options.work is not diff and getattr(options, "project", None) is None:  # these work outside a project
             options.root = find_root(options.root)
         return options.work(options)
     except InputError as error:

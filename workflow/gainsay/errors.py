@@ -1,6 +1,7 @@
 """The typed errors of Gainsay: one line each, naming file, row, field, value and what was expected."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 #: characters of a message at most, of the file in it, and of a part that repeats what was found
@@ -82,6 +83,28 @@ def _found(value: object) -> str:
         return one_line(repr(value), LONGEST_PART)
     except (ValueError, RecursionError):
         return "a value too large to be shown"
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Return the name that an unknown one may have meant; nothing where none is near."""
+    found = get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return found[0] if found else ""
+
+
+def one_of(name: str, known: Iterable[str], most: int = 12) -> str:
+    """Say what would have been accepted for an unknown name: the nearest one where there is one near, else the names.
+
+    Examples
+    --------
+    >>> one_of("robst", ["lqr", "robust"])
+    "'robust'? It is one of lqr, robust"
+    >>> one_of("wan", ["lqr", "robust"])
+    'one of lqr, robust'
+    """
+    names = list(dict.fromkeys(known))
+    listed = ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+    near = nearest(name, names)
+    return f"{near!r}? It is one of {listed}" if near else f"one of {listed or 'none'}"
 
 
 class LogError(InputError):

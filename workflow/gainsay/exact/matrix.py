@@ -383,7 +383,8 @@ def block(rows: Sequence[Sequence[Matrix | None]]) -> Matrix:
     """
     count = len(rows[0]) if rows else 0
     if not count or any(len(row) != count for row in rows):
-        raise RingError("block rows differ in length")
+        counts = ", ".join(str(len(row)) for row in rows)
+        raise RingError(f"block rows differ in length: {counts or 'no'} blocks")
     grid: list[list[Matrix]] = []
     for i, row in enumerate(rows):
         line = []

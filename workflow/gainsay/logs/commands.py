@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from gainsay.errors import InputError, LogError
+from gainsay.errors import InputError, LogError, one_of
 from gainsay.logs.quiet import quiet, rerun_binary
 from gainsay.logs.reader import read_log
 
@@ -87,7 +87,7 @@ def view(root: Path, paper: str, run: str | None = None, *, web: bool = False) -
         if others:
             print(f"opening {run}; also there: {', '.join(others)}", file=sys.stderr)
     if run not in runs:
-        raise InputError(f"no run of {paper}", value=run, expected="one of " + ", ".join(runs))
+        raise InputError(f"no run of {paper}", value=run, expected=one_of(run, runs))
     rrd = runs[run].with_suffix(".rrd")
     if not rrd.is_file():
         raise InputError("not made yet", file=f"results/{paper}/logs/{rrd.name}", expected="the views step to have run")

@@ -8,7 +8,7 @@ LIBRARY = Path(workflow.current_basedir).resolve().parents[1]
 if str(LIBRARY) not in sys.path:
     sys.path.insert(0, str(LIBRARY))
 
-from gainsay.errors import InputError
+from gainsay.errors import InputError, one_of
 from gainsay.steps.closure import sources, table_digest
 from gainsay.steps.holding import hold_results
 from gainsay.steps.resume import forget_damaged
@@ -24,16 +24,17 @@ def refuse(error):
 
 def chosen_papers():
     """Names of the papers to work on, each checked: a name becomes a module, a rule and part of a command."""
-    unknown = set(config) - {"papers", "numeric_threads"}
-    if unknown:
-        raise InputError(
-            "configuration", value=sorted(unknown), expected="papers or numeric_threads"
-        )
+    settings = ("papers", "numeric_threads")
+    for name in config:
+        if name not in settings:
+            raise InputError(
+                "configuration", value=name, expected=one_of(name, settings)
+            )
     known = paper_names(ROOT)
     chosen = [checked_name(name) for name in str(config["papers"]).split(",") if name]
     for name in chosen:
         if name not in known:
-            raise InputError("unknown paper", value=name, expected=", ".join(known))
+            raise InputError("unknown paper", value=name, expected=one_of(name, known))
     if not known:
         raise InputError(
             "no paper", file="papers", expected="a folder with a paper.toml"

@@ -2,7 +2,7 @@
 
 import time
 
-from gainsay.errors import InputError
+from gainsay.errors import InputError, one_of
 from gainsay.steps.modules import paper_module
 from gainsay.tables import Case, read_case
 from gainsay.tables.designs import FoundDesign, Search, write_design
@@ -43,7 +43,7 @@ def search(case: Case, design: str | None = None) -> None:
     """
     searches = searches_of(case)
     if design is not None and design not in searches:
-        raise InputError("design", value=design, expected=f"one of {', '.join(searches)}")
+        raise InputError("design", value=design, expected=one_of(design, searches))
     for name in searches if design is None else (design,):
         if name not in case.paper.designs:
             raise InputError(

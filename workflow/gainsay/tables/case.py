@@ -1,7 +1,7 @@
 """A paper's folder, read and validated as a whole."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gainsay.errors import InputError
+from gainsay.errors import InputError, one_of
 from gainsay.exact.digits import PrintedNumber
 from gainsay.tables.designs import Design, read_designs
 from gainsay.tables.files import listed, shown
@@ -35,6 +35,31 @@ _LONGEST_NAME = 60
 #: names of the workflow's own targets
 _RESERVED = ("all", "check", "report")
 _MATRIX = re.compile(r"(?P<file>printed/[A-Za-z0-9_]+\.csv) (?P<rows>[1-9]\d{0,3})x(?P<columns>[1-9]\d{0,3})", re.ASCII)
+
+
+class Designs(Mapping[str, Design]):
+    """The designs of a paper by name; an unknown one is refused with the nearest."""
+
+    def __init__(self, found: Mapping[str, Design]) -> None:
+        self._found = dict(found)
+
+    def __getitem__(self, name: str) -> Design:
+        """Return a design."""
+        if name not in self._found:
+            raise InputError("design", value=name, expected=one_of(str(name), self._found))
+        return self._found[name]
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a design of this name."""
+        return name in self._found
+
+    def __iter__(self) -> Iterator[str]:
+        """Names in the order of paper.toml."""
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        """Number of designs."""
+        return len(self._found)
 
 
 @dataclass(frozen=True)
@@ -86,11 +111,12 @@ class Case:
     def _parameter(self, name: str, type_: str) -> Parameter:
         row = self.parameters.get(name)
         if row is None or row.type != type_:
+            known = [other for other, row in self.parameters.items() if row.type == type_]
             raise InputError(
                 file=f"papers/{self.name}/parameters.csv",
                 field="name",
                 value=name,
-                expected=f"a {type_} of this name, since the computation needs it",
+                expected=f"a {type_} of this name, since the computation needs it; there is {one_of(name, known)}",
             )
         return row
 
@@ -248,8 +274,9 @@ def read_case(root: Path, paper: str) -> Case:
         At the first fault, naming file, row, field, value and what was expected.
     """
     if checked_name(paper) not in paper_names(root):
-        known = ", ".join(paper_names(root)) or "a folder of papers/ with a paper.toml"
-        raise InputError("unknown paper", value=paper, expected=known)
+        known = paper_names(root)
+        expected = one_of(paper, known) if known else "a folder of papers/ with a paper.toml"
+        raise InputError("unknown paper", value=paper, expected=expected)
     folder = root / "papers" / paper
     parameters, matrices = _read_parameters(root, folder)
 
@@ -269,7 +296,7 @@ def read_case(root: Path, paper: str) -> Case:
         recorded=table("recorded.csv", Recorded, "quantity", needed=False),
         recorded_scans=table("recorded_scans.csv", RecordedScan, ("claim", "item"), needed=False),
         recorded_certificates=table("recorded_certificates.csv", RecordedCertificate, "certificate", needed=False),
-        designs=MappingProxyType(read_designs(folder, paper_file.designs, root)),
+        designs=Designs(read_designs(folder, paper_file.designs, root)),
         _matrices=MappingProxyType(matrices),
     )
     lint(case)

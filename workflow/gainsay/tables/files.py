@@ -233,7 +233,8 @@ def read_csv(path: Path, root: Path | None = None) -> tuple[list[str], list[tupl
     (_, header), rows = lines[0], lines[1:]
     for number, cells in rows:
         if len(cells) != len(header):
-            raise InputError(f"{len(cells)} cells", file=file, row=number, expected=f"{len(header)} cells")
+            what = f"{len(cells)} cells" if cells else "an empty row"
+            raise InputError(what, file=file, row=number, expected=f"{len(header)} cells")
     return header, rows
 
 

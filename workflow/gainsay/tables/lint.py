@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from gainsay.errors import InputError
+from gainsay.errors import InputError, nearest
 from gainsay.exact.digits import PrintedNumber, double
 from gainsay.tables.models import Claim, Toleranced
 from gainsay.tables.units import to_si
@@ -182,7 +182,9 @@ def _claim_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
         yield from _joined_faults(case, claim)
         return
     if claim.quantity not in case.quantities:
-        yield "quantity", claim.quantity, "a quantity declared in quantities.csv"
+        near = nearest(claim.quantity, case.quantities)
+        known = f", such as {near}" if near else ""
+        yield "quantity", claim.quantity, f"a quantity declared in quantities.csv{known}"
         return
     yield from _yes_or_no_faults(claim)
     unit = case.quantities[claim.quantity].unit

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from gainsay.errors import ComputationError, GainsayError, InputError
+from gainsay.errors import ComputationError, GainsayError, InputError, one_of
 from gainsay.tables.case import Case
 from gainsay.tables.files import read_csv, remove_abandoned, write_atomically, write_csv, write_json
 from gainsay.tables.listing import derived_listing, write_listing
@@ -74,6 +74,13 @@ def _ends(relation: str, value: str | None) -> tuple[float, float]:
         "greater_than": (lower, math.inf),
         "inside": (lower, upper),
     }[relation]
+
+
+def _place(error: BaseException, root: Path) -> str:
+    """Return where in the modules of a paper an error arose."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [f for f in frames if Path(f.filename).is_relative_to(root / "papers")]
+    return f", at {Path(own[-1].filename).relative_to(root)}:{own[-1].lineno}" if own else ""
 
 
 class Results:
@@ -183,7 +190,9 @@ class Results:
         """Unit of a quantity that this step is to compute, once."""
         declared = self.case.quantities.get(quantity)
         if declared is None or declared.step != self.step:
-            raise ComputationError(quantity, f"not declared for the step {self.step} in quantities.csv")
+            own = [name for name, row in self.case.quantities.items() if row.step == self.step]
+            known = one_of(quantity, own)
+            raise ComputationError(quantity, f"not declared for the step {self.step} in quantities.csv, {known}")
         if quantity in self._seen:
             raise ComputationError(quantity, "computed twice")
         self._seen.add(quantity)
@@ -358,7 +367,11 @@ class Results:
             self._attempts.append({"where": where, "failed": message, "attempts": attempts,
                                    "traceback": traceback.format_exc()})  # fmt: skip
             tried = f", {len(attempts)} attempts" if attempts else ""
-            self.say(where, f"FAILED{tried}: {message}")
+            place = _place(error, self.case.root)
+            self.say(
+                where,
+                f"FAILED{tried}: {message}{place}; traceback in results/{self.case.name}/attempts/{self.step}.json",
+            )
         else:
             if not self._said and not quiet:
                 self.say(where, "done")

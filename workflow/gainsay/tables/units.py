@@ -49,6 +49,11 @@ UNITS: dict[str, tuple[str, Fraction]] = {
 }
 
 
+def with_unit(number: str, unit: str) -> str:
+    """Return a number with its unit; a pure number has none to show."""
+    return number if unit == "1" else f"{number} {unit}"
+
+
 def to_si(unit: str) -> tuple[str, Fraction]:
     """Return the SI unit and the exact factor of a unit.
 

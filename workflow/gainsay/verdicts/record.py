@@ -10,6 +10,7 @@ from gainsay.tables import Case
 from gainsay.tables.files import cell, read_records, write_csv
 from gainsay.tables.models import Recorded, RecordedCertificate, RecordedScan, Toleranced, columns
 from gainsay.tables.results import read_part
+from gainsay.tables.units import with_unit
 from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 from gainsay.verdicts.tolerance import ROUNDING, decimal_above, proposed
 
@@ -81,9 +82,9 @@ def _quantity_rows(case: Case, found: Mapping[str, Mapping[str, str]]) -> Iterat
         tolerances = _toleranced(before, new, width)
         line = ""
         if before is None:
-            line = f"{quantity}: new, {value} {declared.unit}, {tolerances[0]}"
+            line = f"{quantity}: new, {with_unit(value, declared.unit)}, {tolerances[0]}"
         elif before.value != value:
-            line = f"{quantity}: {before.value} -> {value} {declared.unit}"
+            line = f"{quantity}: {before.value} -> {with_unit(value, declared.unit)}"
         elif before.absolute != tolerances[2]:
             line = f"{quantity}: width of its enclosure {before.absolute} -> {tolerances[2]}"
         yield (quantity, value, declared.unit, *tolerances), line

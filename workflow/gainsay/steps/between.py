@@ -1,0 +1,64 @@
+"""What differs between two folders of results, of two machines, versions or days."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from gainsay.errors import InputError
+from gainsay.tables.files import read_records
+
+#: table of a paper -> the column that names a row, and those that are held against each other
+COMPARED = {
+    "verdicts": ("claim", ("verdict", "recomputed", "range_low", "range_high")),
+    "quantities": ("quantity", ("value", "lower", "upper")),
+    "certificates": ("certificate", ("accepted",)),
+    "failures": ("where", ("message",)),
+}
+
+
+def _papers(folder: Path) -> set[str]:
+    found = {path.parent.name for path in folder.glob("*/quantities.csv")}
+    if not found:
+        raise InputError("results", value=str(folder), expected="a folder with <paper>/quantities.csv")
+    return found
+
+
+def _apart(one: str, other: str) -> str:
+    """Say how far two texts are apart, relative to the larger, where both are numbers."""
+    try:
+        a, b = float(one), float(other)
+    except ValueError:
+        return ""
+    size = max(abs(a), abs(b))
+    return f" ({abs(a - b) / size:.1e} relative)" if size else ""
+
+
+def between(one: Path, other: Path) -> Iterator[str]:
+    """Yield a line for everything in which two folders of results differ.
+
+    Parameters
+    ----------
+    one, other : Path
+        Such as ``results``; only papers that both hold are compared in full.
+
+    Raises
+    ------
+    InputError
+        If a folder holds no results.
+    """
+    first, second = _papers(one), _papers(other)
+    for paper in sorted(first ^ second):
+        yield f"{paper}: only in {one if paper in first else other}"
+    for paper in sorted(first & second):
+        for table, (key, columns) in COMPARED.items():
+            rows = []
+            for folder in (one, other):
+                path = folder / paper / f"{table}.csv"
+                rows.append({row[key]: row for row in read_records(path)} if path.is_file() else {})
+            for name in dict.fromkeys([*rows[0], *rows[1]]):
+                if name not in rows[0] or name not in rows[1]:
+                    yield f"{paper}  {table} {name}: only in {one if name in rows[0] else other}"
+                    continue
+                for column in columns:
+                    a, b = (found[name].get(column, "") for found in rows)
+                    if a != b:
+                        yield f"{paper}  {table} {name}: {column} {a or 'nothing'} | {b or 'nothing'}{_apart(a, b)}"
