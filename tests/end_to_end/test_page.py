@@ -35,7 +35,7 @@ OVERFLOW = """
   if (document.documentElement.scrollWidth > wide) found.push('page: ' + document.documentElement.scrollWidth);
   for (const e of document.body.querySelectorAll('*')) {
     const r = e.getBoundingClientRect();
-    if (!r.width || !r.height || e.closest('.scroll, pre, .skip, thead, .symbols')) continue;
+    if (!r.width || !r.height || e.closest('.scroll, .formulas dd > *, pre, .skip, thead, .symbols')) continue;
     if (r.right > wide + 0.5) found.push(e.tagName + '.' + e.className + ' ' + r.right);
   }
   return found.slice(0, 10);

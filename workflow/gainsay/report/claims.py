@@ -10,7 +10,7 @@ from markupsafe import Markup
 from gainsay.report.certificates import CertificateFile
 from gainsay.report.numbers import enclosure, number, span
 from gainsay.report.reading import PaperResults, Row
-from gainsay.report.wording import found_value, input_value, is_truth, published_value, reason, turning_point
+from gainsay.report.wording import condition, found_value, input_value, is_truth, published_value, reason, turning_point
 from gainsay.tables.models import VERDICTS, Claim
 from gainsay.tables.units import to_si
 from gainsay.verdicts.outcome import Outcome
@@ -124,8 +124,8 @@ class ClaimView:
 
     @property
     def given(self) -> str:
-        """Condition under which the verdict stands."""
-        return self.claim.given
+        """Condition under which the verdict stands, in words; empty where there is none."""
+        return condition(self.claim.given) if self.claim.given else ""
 
     @property
     def evidence(self) -> str:

@@ -78,9 +78,13 @@ class PublishedView:
 
 
 def counts_of(rows: Sequence[Row]) -> dict[str, dict[str, int]]:
-    """Count outcomes for each sort of published number, in the order of the summary that `make` prints."""
+    """Count outcomes for each sort of published number, in the order of the summary that `make` prints.
+
+    Outcomes that no number has are left out but for those that a reader looks for.
+    """
     counted = {what: Counter(row["verdict"] for row in rows if row["what"] == what) for what in LINES}
-    return {LINES[what]: {outcome: found[outcome] for outcome in OUTCOMES} for what, found in counted.items() if found}
+    some = [o for o in OUTCOMES if o in ALWAYS or any(found[o] for found in counted.values())]
+    return {LINES[what]: {outcome: found[outcome] for outcome in some} for what, found in counted.items() if found}
 
 
 def _difference(text: str) -> Markup:

@@ -1,5 +1,6 @@
 """Published and recomputed in words that read forwards: what the paper says, what was found, and why it matters."""
 
+import re
 from collections.abc import Sequence
 
 from markupsafe import Markup, escape
@@ -10,10 +11,9 @@ from gainsay.report.sentences import listed, said
 from gainsay.tables.models import Claim
 from gainsay.verdicts.outcome import Outcome
 
-__all__ = ["found_value", "input_value", "is_truth", "published_value", "reason", "turning_point"]
+__all__ = ["condition", "found_value", "input_value", "is_truth", "published_value", "reason", "turning_point"]
 
 _NUMERIC = ("equal", "at_most", "at_least")
-_OPPOSITE = {"feasible": "infeasible", "infeasible": "feasible"}
 #: comparators that hold a truth against a quantity that is 1 or 0
 _TRUTHS = {"feasible": 1.0, "infeasible": 0.0, "holds": 1.0, "fails": 0.0}
 #: digits of an input at which an outcome turns
@@ -38,8 +38,8 @@ def _joined(found: PaperResults, claim: Claim) -> list[str]:
 
 def published_value(found: PaperResults, claim: Claim) -> Markup:
     """Return what the paper says: a number with its unit, ``feasible``, ``it holds``; empty where it gives none."""
-    if claim.comparator in _OPPOSITE:
-        return escape(claim.comparator)
+    if claim.comparator == "feasible":
+        return escape("feasible")
     if claim.comparator == "all_of":
         many = len(claim.quantity.split())
         return escape("both hold" if many == 2 else f"all {many} hold")
@@ -66,16 +66,24 @@ def found_value(found: PaperResults, claim: Claim, row: Row) -> Markup:
         return escape(("both hold" if held == 2 else f"all {held} hold") if held == len(verdicts)
                       else f"{held} of {len(verdicts)} hold") if row["verdict"] else Markup("")  # fmt: skip
     if is_truth(claim) and text:
-        if claim.comparator in _OPPOSITE:
-            return escape(claim.comparator if _agrees(claim, text) else _OPPOSITE[claim.comparator])
+        if claim.comparator == "feasible":
+            return escape("feasible" if _agrees(claim, text) else "infeasible")
         return escape("it holds" if _agrees(claim, text) else "it does not hold")
     if not text:
         return span(row["range_low"], row["range_high"], claim.unit)
     # where a bound is nearly met, or an equality missed, as many digits as tell the two numbers apart
     near = claim.comparator in ("at_most", "at_least", "inside") or row["verdict"] != "reproduced"
     ends = claim.published.split("..") if near and claim.comparator != "less_than" else ()
-    _, _, power = claim.published.lower().partition("e") if claim.comparator in _NUMERIC else ("", "", "")
-    return number(text, claim.unit, digits=digits_apart(text, ends), power=int(power) if power else None)
+    power = re.fullmatch(r"[-+.\d]+e([-+]?\d+)", claim.published.lower()) if claim.comparator in _NUMERIC else None
+    return number(text, claim.unit, digits=digits_apart(text, ends), power=int(power[1]) if power else None)
+
+
+def condition(given: str) -> str:
+    """Return the condition of a claim in words: ``observer_start=exact`` reads "observer start = exact"."""
+    parts = (part.partition("=") for part in given.split(";"))
+    return ", ".join(
+        f"{name.strip().replace('_', ' ')} = {value.strip().replace('_', ' ')}" for name, _, value in parts
+    )
 
 
 def input_value(value: object, of: str, digits: int = 6) -> Markup:

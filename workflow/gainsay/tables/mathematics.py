@@ -102,7 +102,8 @@ def mathml(tex: str, *, display: bool = False) -> str:
     if re.search(r"[<>&]", "".join(re.findall(r"\\text\{([^}]*)\}", tex))):
         raise _refuse(tex, "words alone in \\text")
     try:
-        root = Tree.fromstring(convert(tex))
+        # the sign of the tack stands too high in most fonts: a transpose is an upright T
+        root = Tree.fromstring(convert(re.sub(r"\\top(?![A-Za-z])", r"\\mathrm{T}", tex)))
     except Exception as error:  # whatever the library says of it, it cannot be typeset
         raise _refuse(tex, "TeX that can be typeset") from error
     written = "".join(_cleaned(root, tex))
