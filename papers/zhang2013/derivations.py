@@ -1,10 +1,10 @@
 """The derivations of zhang2013, step by step, as identities: (2), (5), (7), Lemma 1, (12) to (22)."""
 
-from gainsay.statements import Statement, matrix, scalar
+from gainsay.statements import Statement, Step, implication, matrix, scalar
 from gainsay.tables import Case
 from gainsay.tables.results import Results, task
 from papers.zhang2013.proofs import differing, identical
-from papers.zhang2013.statements import PARTS, equation_9, functional
+from papers.zhang2013.statements import PARTS, PRINTED_LOOP, equation_9, functional
 
 ETA = ("z", "z'", "z_d", "z_M")
 #: a system (7)-(8) without numbers, and the unknowns of Theorem 1
@@ -159,7 +159,7 @@ def lemma(case: Case, results: Results) -> None:
 
 
 @task("(12) to (22)")
-def functional(case: Case, results: Results) -> None:
+def derivative(case: Case, results: Results) -> None:
     """The derivative of the functional as a quadratic form, and the norm inequality."""
     for equation, term, vector in (
         (EQUATION_17, "", "col(z, v, zd, zM)"),
@@ -196,6 +196,16 @@ def functional(case: Case, results: Results) -> None:
             ),
             source=f"(9{part}), ({number})",
         )
+    results.certificate(
+        differing(
+            case,
+            "eq12-equality",
+            "The term of Q2 weighs 1 - d'(t), which is 1 - mu for d'(t) = mu alone: (12) is an inequality.",
+            "(1 - rate) * zd.T @ Q2 @ zd",
+            "(1 - mu) * zd.T @ Q2 @ zd",
+            {"rate": scalar(), "mu": scalar(), "Q2": FREE_LOOP["Q2"], "zd": VECTORS["zd"]},
+        )
+    )
     unknowns = {**{name: FREE_LOOP[name] for name in ("C_z", "C_d", "g")}, **VECTORS}
     phi = "col(z, v, zd, zM, w)"
     output = "row(C_z, zeros(1, 3), zeros(1, 3), zeros(1, 3), C_d)"
@@ -233,50 +243,40 @@ def functional(case: Case, results: Results) -> None:
     )
 
 
-def with_slack(part: str, chosen: dict[str, str]) -> str:
-    """(9a) or (9b) with P2 and P3 written out."""
-    text = equation_9(part, {}).formula
-    for name, formula in chosen.items():
-        text = text.replace(name, f"({formula})")
-    return text
-
-
 @task("after Theorem 1")
 def slack(case: Case, results: Results) -> None:
-    """P2 and P3 do not reduce conservatism."""
-    on = (
-        "[[eye(3), zeros(3, 3), zeros(3, 3), zeros(3, 2), zeros(3, 1)], [A_bar, A_d, zeros(3, 3), B_bar, zeros(3, 1)], "
-        "[zeros(3, 3), eye(3), zeros(3, 3), zeros(3, 2), zeros(3, 1)], "
-        "[zeros(3, 3), zeros(3, 3), eye(3), zeros(3, 2), zeros(3, 1)], "
-        "[zeros(2, 3), zeros(2, 3), zeros(2, 3), eye(2), zeros(2, 1)], "
-        "[zeros(1, 3), zeros(1, 3), zeros(1, 3), zeros(1, 2), eye(1)]]"
+    """P2 and P3 do not reduce conservatism: what holds for any of them holds for P2 = P1, P3 = d_M R."""
+    # on this subspace z' is what (7) says it is, and the slack drops out
+    subspace = (
+        "[[eye(3), 0, 0, 0, 0], [A_bar, A_d, 0, B_bar, 0], [0, eye(3), 0, 0, 0], [0, 0, eye(3), 0, 0], "
+        "[0, 0, 0, eye(2), 0], [0, 0, 0, 0, eye(1)]]"
     )
-    special = {"P2": "P1", "P3": "d_M * R"}
-    free, chosen = [], []
-    for part in PARTS:
-        free.append(f"(T.T @ {equation_9(part, {}).formula} @ T)")
-        chosen.append(f"(T.T @ {with_slack(part, special)} @ T)")
-    results.prove(
-        identical(
+    rest = (
+        "[[eye(3), zeros(3,3), 0, 0, 0, 0], [0, 0, eye(3), 0, 0, 0], [0, 0, 0, eye(3), 0, 0], [0, 0, 0, 0, eye(2), 0], "
+    )
+    rest += "[0, 0, 0, 0, 0, eye(1)]]"
+    gap = "row(-A_bar, eye(3), -A_d, zeros(3, 3), -B_bar, zeros(3, 1))"
+    for part, quantity in (("a", "theorem1.slack_useless"), ("b", "")):
+        given = equation_9(part, PRINTED_LOOP)
+        certificate = implication(
             case,
-            "eq9-slack",
-            "On z' = Abar z + Ad z_d + Bbar w the left sides of (9a), (9b) do not depend on P2, P3 and equal those for "
-            "P2 = P1, P3 = d_M R. These have the block -d_M R at z', and that subspace is where they are largest over "
-            f"z': so (9) holds for some P2, P3 exactly if it holds for P2 = P1, P3 = d_M R ({UNIT_NOTE}).",
-            f"diag({', '.join(free)})",
-            f"diag({', '.join(chosen)})",
-            FREE_LOOP,
-            "theorem1.slack_useless",
-            {**TIME_UNIT, "T": on},
-            faith=(
-                "The step from the identity to the equivalence: (9) is negative definite if and only if its block at "
-                "z' is and so is its largest value over z', which for P2 = P1, P3 = d_M R is taken on the subspace.",
-                *UNIT_ON_FAITH,
-            ),
-        ),
-        source="(9)",
-    )
-    results.say("Lemma 1, (2) to (22)", "identities proved")
+            id=f"eq9-slack-{part}",
+            quantity=quantity,
+            sentence=f"Where (9{part}) holds for some P2, P3, it holds for P2 = P1, P3 = d_M R.",
+            given=[given < 0, "R > 0"],
+            then=f"{given.formula.replace('P2', 'P1').replace('P3', '(d_M * R)')} < 0",
+            by=[
+                Step(given.label, f"({subspace}) @ ({rest})", left_inverse="eye(15)"),
+                Step("R > 0", gap, scale="d_M", left_inverse="col(zeros(3, 3), eye(3), zeros(9, 3))"),
+            ],
+            positive=("d_M",),
+            unknowns=functional(3),
+        )
+        if quantity:
+            results.prove(certificate, source="(9)")
+        else:
+            results.certificate(certificate)
+    results.say("Lemma 1, (2) to (22)", "identities and implications proved")
 
 
-TASKS = (model, lemma, functional, slack)
+TASKS = (model, lemma, derivative, slack)

@@ -34,7 +34,7 @@ def angle(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
 
 def rate(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 2: the attitude angle rate."""
-    _draw(figure, logs, "Pitch rate [rad/s]", "/spacecraft/attitude", "rate", _SHOWN, READINGS)
+    _draw(figure, logs, "Pitch rate [rad/s]", "/spacecraft/rate", "rate", _SHOWN, READINGS)
 
 
 def estimation(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:

@@ -9,7 +9,7 @@ from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 
 from gainsay.proof import Certificate
 from gainsay.proof.build import certificate
-from gainsay.statements import Stated, Unknown, scalar, symmetric
+from gainsay.statements import Stated, Step, Unknown, implication, scalar, symmetric
 from gainsay.tables import Case
 from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.statements import (
@@ -17,6 +17,8 @@ from papers.zhang2013.statements import (
     OFFSETS,
     PLANT,
     PRINTED_LOOP,
+    ROWS,
+    SIZES,
     UNKNOWNS_23,
     corrected_23,
     equation_23,
@@ -254,6 +256,62 @@ def residual_error(case: Case, frequency: str, size: str, quantity: str) -> Cert
         fields={"formula": f"sqrt({size} * (e_r ** 2 + e_i ** 2))", "low": "0"},
         quantities={"value": quantity},
     )
+
+
+def w2_rate_rms(case: Case, size: str, quantity: str) -> Certificate:
+    """Root mean square of the rate of w2 that w1 keeps up without delay: positive, so that it is not in l2 either."""
+    definitions = {
+        **flexible_loop(*PRINTED_GAINS),
+        "A_0": "A_bar + A_d",
+        "w": "number('w1_frequency')",
+        "H": "inverse([[-A_0, -w * eye(7)], [w * eye(7), -A_0]]) @ col(B_bar, zeros(7, 1))",
+        "vibration": "row(zeros(1, 2), V, zeros(1, 1))",
+        "v_r": "vibration @ H[0:7, 0:1]",
+        "v_i": "vibration @ H[7:14, 0:1]",
+    }
+    return certificate(
+        "enclosed",
+        id="w2-rate-persists",
+        paper=case.name,
+        tables=case,
+        statement="Without delay the loop of (1), (4), (6) with the printed gains answers the printed w1 with a rate "
+        "of w2 of this root mean square: its energy grows linearly with time, so that it is not in l2[0, inf).",
+        definitions=definitions,
+        fields={"formula": f"w * sqrt({size} * (v_r ** 2 + v_i ** 2) / 2)", "low": "0"},
+        quantities={"value": quantity},
+    )
+
+
+def definite_slack(case: Case) -> list[Certificate]:
+    """(23a), printed or corrected, forces P22 > 0 and a positive definite symmetric part of P21-bar (here X)."""
+    made = []
+    rows = {row: i for i, row in enumerate(ROWS)}
+    for edition, form in (("printed", equation_23), ("corrected", corrected_23)):
+        given = form("a")
+        for row, weight, conclusion, name, quantity in (
+            ("e'", "R2", "l2 * sym(P22) > 0", "p22-positive", "theorem2.p22_positive"),
+            ("x'", "R1", "l1 * sym(X) > 0", "x-definite", "theorem2.x_definite"),
+        ):
+            size = SIZES[row]
+            blocks = [f"zeros({n}, {size})" if i != rows[row] else f"eye({size})" for i, n in enumerate(SIZES.values())]
+            column = f"col({', '.join(blocks)})"
+            sentence = f"Where (23a), {edition}, holds and {weight} > 0, {conclusion}."
+            made.append(
+                implication(
+                    case,
+                    id=f"{name}-{edition}",
+                    quantity=quantity if edition == "printed" else "",
+                    sentence=sentence,
+                    given=[given < 0, f"{weight} > 0"],
+                    then=conclusion,
+                    by=[
+                        Step(given.label, column, left_inverse=f"({column}).T"),
+                        Step(f"{weight} > 0", f"eye({size})", scale="d_M"),
+                    ],
+                    positive=("d_M",),
+                )
+            )
+    return made
 
 
 def differing(

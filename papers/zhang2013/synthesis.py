@@ -125,6 +125,11 @@ def sign_of_lambda1(case: Case, results: Results) -> None:
         ("printed", "theorem2.printed_feasible_printed_sign"),
     ):
         results.prove(proofs.printed_sign_infeasible(case, edition, quantity), source="(23)")
+    for certificate in proofs.definite_slack(case):
+        if certificate.conclusions[0].quantity:
+            results.prove(certificate, source="(23a)")
+        else:
+            results.certificate(certificate)
     results.say("lambda1", "-0.12 infeasible, corrected and printed, Farkas certificates checked")
 
 

@@ -158,6 +158,19 @@ def test_uncertainty_bounded_in_norm_is_eliminated_by_a_completed_square():
     assert certificate.conclusions[0].relation == "holds"
 
 
+def test_hypotheses_that_are_definite_only_together_give_a_strict_conclusion():
+    """The converse Schur complement: A - B C^-1 B' < 0 and C < 0 make the whole matrix negative; neither alone does."""
+    upper, lower = "A - B@inverse(C)@B.T < 0", "C < 0"
+    by = [
+        Step(upper, "row(eye(4), zeros(4,2))", left_inverse="col(eye(4), -inverse(C)@B.T)"),
+        Step(lower, "row(inverse(C)@B.T, eye(2))", left_inverse="col(zeros(4,2), eye(2))"),
+    ]
+    assert follows(given=[upper, lower], then=SCHUR, by=by).conclusions[0].relation == "holds"
+    alone = [by[0], Step(lower, by[1].factor)]
+    with pytest.raises(CertificateError, match="left inverses"):
+        follows(given=[upper, lower], then=SCHUR, by=alone)
+
+
 @pytest.mark.parametrize(
     ("parts", "reason"),
     [
@@ -168,7 +181,7 @@ def test_uncertainty_bounded_in_norm_is_eliminated_by_a_completed_square():
         ({"then": "A@F < 0"}, "not symmetric"),
         ({"given": ["[[A, B], [..., C]] <= 0"], "by": [Step("[[A, B], [..., C]] <= 0", DOWN.factor)]}, "strict"),
         ({"by": [Step(SCHUR, DOWN.factor)]}, "strict"),
-        ({"by": [Step(SCHUR, DOWN.factor, left_inverse="zeros(4,6)")]}, "left inverse is none"),
+        ({"by": [Step(SCHUR, DOWN.factor, left_inverse="zeros(4,6)")]}, "left inverses"),
         ({"by": [Step(SCHUR, DOWN.factor, scale="-1", left_inverse=DOWN.left_inverse)]}, "not proved positive"),
         ({"by": [Step(SCHUR, DOWN.factor, scale="s", left_inverse=DOWN.left_inverse)]}, "not proved positive"),
         ({"by": [Step(SCHUR, DOWN.factor, scale="s**2", left_inverse=DOWN.left_inverse)]}, "may be zero"),

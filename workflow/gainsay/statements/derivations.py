@@ -28,7 +28,7 @@ class Step:
     scale : str
         Formula of a product of positive numbers.
     left_inverse : str
-        Formula L with L @ factor = I; needed once where the conclusion is strict.
+        Formula L; where the conclusion is strict, the sum of L @ factor over strict hypotheses is the identity.
     """
 
     of: str
@@ -46,7 +46,7 @@ def implication(
     case: Any,
     *,
     id: str,
-    quantity: str,
+    quantity: str = "",
     sentence: str,
     given: Iterable[Constraint | str],
     then: Constraint | str,
@@ -64,7 +64,7 @@ def implication(
     ----------
     case : gainsay.tables.Case
     id, quantity, sentence, faith
-        Of the certificate; the quantity is 1 where it follows.
+        Of the certificate; the quantity, which may be left empty, is 1 where it follows.
     given : iterable of Constraint or str
         Hypotheses: constraints of statements, or texts.
     then : Constraint or str
@@ -123,7 +123,7 @@ def implication(
             "invertible": sorted(set(invertible) & set(used)),
             "positive": sorted({*positive, *(n for n, u in used.items() if u.positive)} & set(used)),
         },
-        quantities={"implication": quantity},
+        quantities={"implication": quantity} if quantity else {},
         faith=faith,
     )
 

@@ -16,6 +16,7 @@ UNITS: dict[str, tuple[str, Fraction]] = {
     "N^2": ("N^2", Fraction(1)),
     "N m": ("N m", Fraction(1)),
     "N m s": ("N m s", Fraction(1)),
+    "N m/s": ("N m/s", Fraction(1)),
     "N s": ("N s", Fraction(1)),
     "rad": ("rad", Fraction(1)),
     # 1 deg = pi/180 rad: the double nearest to it, as an exact rational, so that conversion is deterministic

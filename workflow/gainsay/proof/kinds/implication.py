@@ -1,17 +1,17 @@
 """One inequality follows from others: a congruence, a Schur complement, a completed square, a substitution.
 
 Theorem: let H_i >= 0 (or H_i > 0) and let G be the sum of s_i T_i' H_i T_i with numbers s_i > 0. Then G >= 0; and
-G > 0 if some H_i > 0 has a T_i with a left inverse. F < 0 counts as -F > 0. A term without a hypothesis is the square
-T' T. The identity is one between sums of words in unknown matrices (`gainsay.exact.words`): it holds for all entries
-and all sizes, wherever the inverses that it names exist.
+G > 0 if over the strict ones some L_i have sum L_i T_i = I: no T_i v is zero for all of them then. F < 0 counts as
+-F > 0. A term without a hypothesis is the square T' T. The identity is one between sums of words in unknown matrices
+(`gainsay.exact.words`): it holds for all entries and all sizes, wherever the inverses that it names exist.
 
 - congruence: one term, T invertible; a Schur complement is the congruence with [[I, 0], [-C^-1 B', I]];
 - completed square: G = H + sum of s_i (X_i - ...)' D_i (X_i - ...), D_i > 0;
 - substitution: the definitions say what the new unknowns are in the old ones.
 
 Fields: ``given`` (pairs of a name and a constraint), ``then`` (a constraint), ``by`` (list of {"of": name of a
-hypothesis or "", "with": T, "scale": s, "left_inverse": L}; ``scale`` is a product of positive numbers and
-``left_inverse`` is needed once where the conclusion is strict), ``invertible`` and ``positive`` (names of unknowns).
+hypothesis or "", "with": T, "scale": s, "left_inverse": L}; ``scale`` is a product of positive numbers, and
+``left_inverse`` is needed where the conclusion is strict), ``invertible`` and ``positive`` (names of unknowns).
 
 Reference: S. Boyd, L. El Ghaoui, E. Feron, V. Balakrishnan, "Linear Matrix Inequalities in System and Control Theory",
 SIAM 1994, section 2.1.
@@ -43,20 +43,17 @@ def prove(scope: Scope) -> list[Proved]:
     names = definitions(scope, letters)
     given = {name: inequality(scope, text, names, letters) for name, text in hypotheses(scope)}
     goal, strict = inequality(scope, scope.field("then"), names, letters)
-    total, proved_strict = nothing(*goal.shape, letters), False
-    for number, term in enumerate(terms(scope), start=1):
+    total = whole = nothing(*goal.shape, letters)
+    for term in terms(scope):
         form, is_strict = hypothesis(scope, given, term, names, letters)
         factor = derivation.evaluate(term["with"], names, letters)
         total = total + positive_number(scope, term, names, letters) * (factor.T @ form @ factor)
         if is_strict and "left_inverse" in term:
-            left = derivation.evaluate(term["left_inverse"], names, letters)
-            if not (left @ factor).equals(identity(factor.shape[1], letters)):
-                raise scope.fail(f"term {number}: the left inverse is none")
-            proved_strict = True
+            whole = whole + derivation.evaluate(term["left_inverse"], names, letters) @ factor
     if not total.equals(goal):
         raise scope.fail("the conclusion is not proved to be the sum of the terms")
-    if strict and not proved_strict:
-        raise scope.fail("a strict conclusion needs a strict hypothesis under a factor with a left inverse")
+    if strict and not whole.equals(identity(goal.shape[0], letters)):
+        raise scope.fail("a strict conclusion needs strict hypotheses whose factors have left inverses that sum to one")
     return [Proved("implication", "holds")]
 
 
