@@ -131,12 +131,15 @@ def search(options: argparse.Namespace) -> int:
 
 
 def docs(options: argparse.Namespace) -> int:
-    """Write the documentation that is generated from the models, or say whether it is stale."""
+    """Write the documentation that is generated from code and tables, or say whether it is stale."""
+    from gainsay.steps.reference import reference
     from gainsay.tables.docs import documents
     from gainsay.tables.files import write_atomically
 
     stale = []
-    for file, text in documents(options.root).items():
+    if not (options.root / "workflow" / "gainsay").is_dir():
+        raise InputError("documentation", value=str(options.root), expected="the repository of Gainsay itself")
+    for file, text in (documents(options.root) | reference(_parser())).items():
         path = options.root / file
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             stale.append(file)

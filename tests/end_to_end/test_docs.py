@@ -1,0 +1,65 @@
+"""What the documentation tells a reader to type works, and its tables leave nothing out."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from gainsay.cli import _parser
+from gainsay.steps.reference import COMPARATORS, KINDS
+from gainsay.tables.models import Comparator, Kind
+
+ROOT = Path(__file__).resolve().parents[2]
+GUIDE = ROOT / "docs" / "adding-a-paper.md"
+PAGES = [
+    ROOT / "README.md", ROOT / "CONTRIBUTING.md", GUIDE, ROOT / "docs" / "architecture.md",
+    ROOT / "workflow/gainsay/scaffold/project/README.md",
+]  # fmt: skip
+
+
+def typed(page: Path) -> list[str]:
+    """Lines of blocks of code that begin with a command, without the description after two blanks."""
+    lines = [line.strip() for line in page.read_text().splitlines()]
+    return [re.split(r"\s{2,}|\s#", line)[0] for line in lines if line.startswith(("gainsay ", "make "))]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_command_of_a_page_is_one(page):
+    targets = re.search(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)[1].split()
+    for line in typed(page):
+        name, *arguments = shlex.split(line.replace("[", "").replace("]", ""))
+        if name == "make":
+            assert set(arguments) <= set(targets), line
+        else:
+            _parser().parse_args(arguments)  # ends with an error where it is none
+
+
+def test_every_link_leads_somewhere():
+    for page in PAGES[:4]:
+        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_every_kind_and_comparator_is_explained():
+    assert set(KINDS) == set(get_args(Kind))
+    assert set(COMPARATORS) == set(get_args(Comparator))
+
+
+@pytest.mark.slow
+def test_the_guide_from_an_empty_folder(tmp_path):
+    """Every block of the guide that a reader types, in order, ends without an error."""
+    blocks = re.findall(r"```sh\n(.*?)```", GUIDE.read_text(), re.DOTALL)
+    assert len(blocks) == 2
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    for block in blocks:
+        done = subprocess.run(
+            ["bash", "-e", "-c", block], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False,
+            timeout=600,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "papers/smith1999/recorded.csv").is_file()
