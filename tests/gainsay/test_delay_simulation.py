@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.simulation.delay import Collocation, DelayLaw, delay_mesh, simulate_delay
+from gainsay.simulation.delay import DelayLaw, delay_mesh, simulate_delay
+from gainsay.simulation.delay_steps import Collocation
 
 A = np.array([[0, 1.0], [-40, -0.3]])
 BD = np.array([[0], [1.0]])

@@ -6,7 +6,21 @@ import numpy as np
 import pytest
 
 from gainsay.bench.random_programs import draws
-from gainsay.lmi import Infeasible, Program, Solved, solve, sym, symmetric
+from gainsay.lmi import (
+    Infeasible,
+    Infimum,
+    Program,
+    Solved,
+    Unbounded,
+    Undecided,
+    infimum,
+    large,
+    scalar,
+    solve,
+    sym,
+    symmetric,
+    trace,
+)
 from gainsay.lmi.affine import Affine
 from gainsay.lmi.blocks import Definite
 
@@ -70,3 +84,33 @@ def test_units_change_no_outcome(power):
         }
         other = Definite("block", Affine(block.expression.constant * np.outer(d, d), terms), True, (("", n),))
         assert type(solve(Program(subject_to=[other]))) is (Solved if drawn.feasible else Infeasible)
+
+
+def test_large_programs_are_answered_by_the_first_runs(monkeypatch):
+    monkeypatch.setattr(large, "_LARGE", 0)
+    for drawn in draws(6, 12, 10):
+        outcome = solve(drawn.program)
+        assert type(outcome) is (Solved if drawn.feasible else Infeasible)
+        assert len(outcome.attempts) == 1
+    rng = np.random.default_rng(7)
+    t = scalar("t")
+    for n in (3, 8, 15):
+        M = rng.standard_normal((n, n))
+        M = M + M.T
+        found = infimum(Program(minimise=t, subject_to=[(t * np.eye(n) - M > 0).named("t I > M")]))
+        # the largest eigenvalue, LAPACK's to its rounding
+        top = np.linalg.eigvalsh(M)[-1]
+        assert isinstance(found, Infimum) and len(found.attempts) == 2
+        assert found.lower - 1e-13 * abs(top) <= top <= found.upper + 1e-13 * abs(top)
+        assert found.upper - found.lower < 1e-6 * abs(top)
+
+
+def test_the_short_way_proves_nothing_false(monkeypatch):
+    # weakly infeasible, unbounded, and a closed pair: the ordinary way decides
+    monkeypatch.setattr(large, "_LARGE", 0)
+    x, P = scalar("x"), symmetric("P", 2)
+    weak = x * np.diag([1.0, 0.0]) + np.array([[0.0, 1.0], [1.0, 0.0]])
+    assert isinstance(solve(Program(subject_to=[weak >= 0])), Undecided)
+    assert isinstance(infimum(Program(minimise=-x, subject_to=[x > 0])), Unbounded)
+    pair = [(P >= 0).named("up"), (P <= 0).named("down")]
+    assert isinstance(infimum(Program(minimise=trace(P), subject_to=pair)), Infimum)

@@ -1,32 +1,30 @@
 """Measure everything and print a line each: `make bench`."""
 
 import sys
+import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from gainsay import steps  # noqa: F401  # one thread per numeric library, as in the workflow
-from gainsay.bench import chain, integration, logs, synthesis
+from gainsay.bench import chain, integration, logs, programs, synthesis, tasks
 from gainsay.bench.measure import Row
 from gainsay.errors import GainsayError
 from gainsay.tables import Case, find_root, paper_names, read_case
 
 
-def rows(root: Path, case: Case) -> Iterator[Iterable[Row]]:
-    """Yield the measurements of a paper, each a few rows."""
+def ratios(case: Case) -> Iterator[Iterable[Row]]:
+    """Yield the measurements of a paper against baselines, each a few rows."""
     if case.name == "wan2014":
         yield integration.rendezvous(case)
         yield synthesis.rows(case)
     yield chain.proofs(case)
     yield chain.replays(case)
-    yield chain.pipeline(root, case)
 
 
-def main() -> int:
-    """Print every ratio with its aim; misses are reported and change no exit code."""
-    root = find_root()
+def _ratios(root: Path, papers: list[str]) -> tuple[int, int]:
     missed = unmeasured = 0
-    everything = [logs.rows(), *(part for paper in paper_names(root) for part in rows(root, read_case(root, paper)))]
-    for part in everything:
+    parts = [programs.rows(), logs.rows(), *(part for paper in papers for part in ratios(read_case(root, paper)))]
+    for part in parts:
         try:
             for row in part:
                 print(row, flush=True)
@@ -34,7 +32,19 @@ def main() -> int:
         except (GainsayError, RuntimeError) as error:
             print(f"not measured: {error}", flush=True)
             unmeasured += 1
-    print(f"{missed} aims missed, {unmeasured} not measured")
+    return missed, unmeasured
+
+
+def main() -> int:
+    """Print the seconds of every task and their bare parts, then every ratio; misses change no exit code."""
+    begun, root = time.perf_counter(), find_root()
+    papers = paper_names(root)
+    print("CPU seconds of the tasks, and the share of bare solves, bare integrations and imports in them")
+    for row in tasks.rows(root, papers):
+        print(row, flush=True)
+    print("CPU seconds against baselines measured in turn", flush=True)
+    missed, unmeasured = _ratios(root, papers)
+    print(f"{missed} aims missed, {unmeasured} not measured, in {time.perf_counter() - begun:.0f} s")
     return 0
 
 

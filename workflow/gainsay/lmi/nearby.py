@@ -4,13 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from gainsay.lmi import duality, scaling
 from gainsay.lmi.affine import Affine
 from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.outcomes import Solved
+from gainsay.lmi.points import proved_point
 from gainsay.lmi.program import Program
 from gainsay.lmi.rounding import residual
 
 # coefficients of a block that is summed without cancellation
 _MOST = 200_000
+# times that a program is looked at from nearer
+_CLOSER = 3
 
 
 def seen_from(program: Program, x: np.ndarray) -> Program | None:
@@ -36,3 +41,22 @@ def seen_from(program: Program, x: np.ndarray) -> Program | None:
             kind = Equal if isinstance(row.constraint, Equal) else Entrywise
             constraints.append(kind(label, Affine(flat[:, None], terms)))
     return replace(program, minimise=None, subject_to=constraints, scale=type(program.scale)())
+
+
+def closer(program: Program, scale: scaling.Scaling, x: np.ndarray, attempts: list) -> Solved | None:
+    """A proved point of a program with little room, seen from near its points: that room is then of size one."""
+    for number in range(_CLOSER + 1):
+        point = proved_point(program, scale, x, float("nan"))
+        if point is not None:
+            return replace(point, attempts=tuple(attempts))
+        moved = None if number == _CLOSER else seen_from(program, x)
+        if moved is None:
+            return None
+        own = scaling.first(moved)
+        found = duality.level(scaling.apply(moved, own), moved.constraints)
+        attempts.append({**found.record, "aim": "level, from nearby", "level": found.value})
+        if found.x is None:
+            return None
+        with np.errstate(over="ignore"):
+            x = x + found.x * own.unknowns
+    return None

@@ -10,8 +10,11 @@ from flint import fmpq, fmpq_mat
 from gainsay.exact.definite import positive_semidefinite, rational_positive_definite
 from gainsay.exact.rational import to_fmpq
 from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.outcomes import Solved
+from gainsay.lmi.program import Program
 from gainsay.lmi.rounding import RightInverse, gamma, norm, power_of_two, proved_positive, residual
-from gainsay.lmi.scaling import Scaled
+from gainsay.lmi.scaling import Scaled, Scaling
+from gainsay.lmi.scaling import exact as exact_scaling
 
 # exact rationals are tried for blocks of so many coefficients at most, and only for points that miss by this little
 _MOST_EXACT = 40_000
@@ -149,3 +152,26 @@ def exact_block(tensor: np.ndarray, constant: np.ndarray, x: Sequence[fmpq]) -> 
 def is_strict(constraint: Any) -> bool:
     """Whether a constraint excludes the boundary of its cone."""
     return isinstance(constraint, Definite) and constraint.strict
+
+
+def proved_point(program: Program, scale: Scaling, x: np.ndarray, gap: float) -> Solved | None:
+    """The point near coordinates x, if it is proved to satisfy the program."""
+    coordinates = exact_scaling(program, scale)
+    if coordinates is None:
+        return None
+    exact, scaled = coordinates
+    proved = prove(scaled, program.constraints, x / exact.unknowns)
+    if proved is None:
+        return None
+    values = program.values(proved.x * exact.unknowns)
+    check = program.check(values)
+    return Solved(values, _above(program, exact, proved), check, gap, ())
+
+
+def _above(program: Program, scale: Scaling, proved: Proved) -> float:
+    """Upper bound on the objective at a proved point."""
+    constant = float(program.objective.constant[0, 0])
+    if not program.cost.any():
+        return constant
+    high = scale.cost * proved.high + constant
+    return high + 4e-16 * (abs(scale.cost * proved.high) + abs(constant)) if constant else high

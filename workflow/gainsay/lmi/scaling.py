@@ -180,9 +180,9 @@ def _fit(program: Program, known: dict, known_rows: list | None, objective: floa
         fixed[total:] = np.concatenate(known_rows)
     normal, right = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
     for row, start in zip(program.rows, row_starts, strict=True):
-        matrix, logs = _equations(row, start, parameter, unknowns)
-        normal += matrix.T @ matrix
-        right -= matrix.T @ logs
+        own, logs = _equations(row, start, parameter, unknowns)
+        normal += own
+        right -= logs
     free = np.isnan(fixed)
     solution = np.where(free, 0.0, fixed)
     if free.any():
@@ -198,19 +198,29 @@ def _fit(program: Program, known: dict, known_rows: list | None, objective: floa
 
 
 def _equations(row: Any, start: int, parameter: np.ndarray, unknowns: int) -> tuple[np.ndarray, np.ndarray]:
-    """One equation a nonzero coefficient: log|coefficient| + its row scales + its unknown's scale = 0."""
+    """Normal equations of one row: for every nonzero coefficient, log|coefficient| + its scales = 0.
+
+    A coefficient has the scales of its two rows (twice its own, in a list) and, but for constants, of its unknown. The
+    equations are only counted, never written out: a large program has millions.
+    """
     if row.is_matrix:
         i, j = np.nonzero(np.triu(np.abs(row.constant) + np.abs(row.tensor).max(axis=2, initial=0.0)))
         constants, tensor = row.constant[i, j], row.tensor[i, j]
     else:
         i = j = np.arange(row.size)
         constants, tensor = row.constant, row.tensor
-    e, k = np.nonzero(tensor)
-    own = np.flatnonzero(constants)
-    matrix = np.zeros((len(e) + len(own), unknowns))
-    matrix[: len(e), : parameter.shape[1]] = parameter[k]
-    counter = np.arange(len(matrix))
-    both = np.concatenate([e, own])
-    np.add.at(matrix, (counter, start + i[both]), 1)
-    np.add.at(matrix, (counter, start + j[both]), 1)
-    return matrix, np.log(np.abs(np.concatenate([tensor[e, k], constants[own]])))
+    place = np.zeros((len(i), row.size))
+    np.add.at(place, (np.arange(len(i)), i), 1)
+    np.add.at(place, (np.arange(len(i)), j), 1)
+    present, own = (tensor != 0).astype(float), (constants != 0).astype(float)
+    logs = np.log(np.abs(tensor), where=tensor != 0, out=np.zeros_like(tensor))
+    constant_logs = np.log(np.abs(constants), where=constants != 0, out=np.zeros_like(constants))
+    total, rows = parameter.shape[1], slice(start, start + row.size)
+    normal, right = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
+    normal[:total, :total] = parameter.T @ (present.sum(axis=0)[:, None] * parameter)
+    normal[:total, rows] = parameter.T @ (present.T @ place)
+    normal[rows, :total] = normal[:total, rows].T
+    normal[rows, rows] = place.T @ ((present.sum(axis=1) + own)[:, None] * place)
+    right[:total] = parameter.T @ logs.sum(axis=0)
+    right[rows] = place.T @ (logs.sum(axis=1) + constant_logs)
+    return normal, right

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from gainsay.errors import InputError
-from gainsay.lmi import backends, duality, facial, instability, points, scaling
+from gainsay.lmi import backends, duality, facial, instability, large, points, scaling
 from gainsay.lmi.affine import Values
 from gainsay.lmi.blocks import Equal
 from gainsay.lmi.constant import without_solver
 from gainsay.lmi.homogeneous import homogeneous_part
-from gainsay.lmi.nearby import seen_from
+from gainsay.lmi.nearby import closer
 from gainsay.lmi.outcomes import Farkas, Infeasible, Infimum, Outcome, Solved, Unbounded, Undecided
+from gainsay.lmi.points import proved_point
 from gainsay.lmi.program import Program
 from gainsay.lmi.rays import ray
 
@@ -19,8 +20,6 @@ from gainsay.lmi.rays import ray
 _PRESENT = 1e-9
 # reductions to a face before a program is left undecided
 _MOST_FACES = 6
-# times that a program with little room is looked at from nearer
-_CLOSER = 3
 
 
 def solve(program: Program, near: Values | None = None, rounds: int = 4) -> Outcome:
@@ -59,6 +58,10 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
     attempts: list[dict] = []
     first = scaling.first(program) if near is None else scaling.from_point(program, program.coordinates(near))
     inside = None
+    if large.is_large(program):
+        found = large.answer(program, first, attempts)
+        if found is not None:
+            return found, program
     for setting in backends.SETTINGS:
         best = _rounds(program, first, setting, rounds, attempts)
         if best is not None:
@@ -78,7 +81,7 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
             proof = _refutation(program, first, found, attempts)
             if proof is not None:
                 return Infeasible(proof, tuple(attempts)), program
-            point = None if found.x is None else _closer(program, first, found.x * first.unknowns, attempts)
+            point = None if found.x is None else closer(program, first, found.x * first.unknowns, attempts)
             if point is not None:
                 return point, program
             on_face = _on_face(program, first, found, rounds, faces, attempts)
@@ -88,27 +91,8 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
             inside = found.x * first.unknowns
             first = scaling.from_point(program, inside)
     # with less room than the margin asked for
-    point = None if inside is None else _closer(program, first, inside, attempts)
+    point = None if inside is None else closer(program, first, inside, attempts)
     return (point, program) if point is not None else (Undecided(program.label, tuple(attempts)), program)
-
-
-def _closer(program: Program, scale: scaling.Scaling, x: np.ndarray, attempts: list) -> Solved | None:
-    """A proved point of a program with little room, seen from near its points: that room is then of size one."""
-    for number in range(_CLOSER + 1):
-        point = _proved(program, scale, x, float("nan"))
-        if point is not None:
-            return replace(point, attempts=tuple(attempts))
-        moved = None if number == _CLOSER else seen_from(program, x)
-        if moved is None:
-            return None
-        own = scaling.first(moved)
-        found = duality.level(scaling.apply(moved, own), moved.constraints)
-        attempts.append({**found.record, "aim": "level, from nearby", "level": found.value})
-        if found.x is None:
-            return None
-        with np.errstate(over="ignore"):
-            x = x + found.x * own.unknowns
-    return None
 
 
 def _refutation(program: Program, scale: scaling.Scaling, found: duality.Level, attempts: list) -> Farkas | None:
@@ -201,7 +185,7 @@ def _rounds(program: Program, scale: scaling.Scaling, setting: str, rounds: int,
         with np.errstate(over="ignore"):  # of a point that runs away; what is not finite is not proved
             x = raw.x * scale.unknowns
         gap = abs(raw.primal - raw.dual) / max(abs(raw.primal), 1e-12)
-        solved = _proved(program, scale, x, gap)
+        solved = proved_point(program, scale, x, gap)
         record["gap"] = gap
         settled = False
         # a later point has the margin asked for, in its own scaling; an open gap marks one that the solver gave up on
@@ -219,29 +203,6 @@ def _rounds(program: Program, scale: scaling.Scaling, setting: str, rounds: int,
             break
         scale = scaling.from_point(program, x)
     return None if best is None else replace(best, attempts=tuple(attempts))
-
-
-def _proved(program: Program, scale: scaling.Scaling, x: np.ndarray, gap: float) -> Solved | None:
-    """The point near coordinates x, if it is proved to satisfy the program."""
-    coordinates = scaling.exact(program, scale)
-    if coordinates is None:
-        return None
-    exact, scaled = coordinates
-    proved = points.prove(scaled, program.constraints, x / exact.unknowns)
-    if proved is None:
-        return None
-    values = program.values(proved.x * exact.unknowns)
-    check = program.check(values)
-    return Solved(values, _above(program, exact, proved), check, gap, ())
-
-
-def _above(program: Program, scale: scaling.Scaling, proved: points.Proved) -> float:
-    """Upper bound on the objective at a proved point."""
-    constant = float(program.objective.constant[0, 0])
-    if not program.cost.any():
-        return constant
-    high = scale.cost * proved.high + constant
-    return high + 4e-16 * (abs(scale.cost * proved.high) + abs(constant)) if constant else high
 
 
 def _endless(program: Program, scale: scaling.Scaling, attempts: list) -> Outcome | None:
@@ -316,6 +277,10 @@ def _enclosed(program: Program, solved: Solved, margins: tuple[float, ...]) -> I
     attempts.append({**flat.record, "aim": "infimum", "objective": flat.primal * scale.cost})
     if flat.x is None:
         return Undecided(program.label, tuple(attempts), "a point, and no optimum")
+    if large.is_large(program):
+        found = large.enclosed(program, scale, solved, flat, attempts)
+        if found is not None:
+            return found
     uppers, best = _uppers(program, scale, margins, solved, attempts)
     lowers, proof = [-np.inf] * len(margins), {}
     sharp, balanced = _sharpened(program, scale, flat, attempts)
@@ -368,7 +333,7 @@ def _uppers(program: Program, scale: scaling.Scaling, margins: tuple, best: Solv
         record = {**raw.record, "aim": "upper", "asked": margin}
         uppers.append(np.nan)
         if raw.x is not None:
-            point = _proved(program, scale, raw.x * scale.unknowns, abs(raw.primal - raw.dual))
+            point = proved_point(program, scale, raw.x * scale.unknowns, abs(raw.primal - raw.dual))
             if point is not None:
                 record |= {"objective": point.objective, "margin": point.check.worst}
                 uppers[-1] = point.objective

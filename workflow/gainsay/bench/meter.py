@@ -1,0 +1,104 @@
+"""Where the CPU seconds of a task go: bare solves, bare integrations, imports, and the rest.
+
+Measured around the calls themselves: a solver's own run, an integrator's with its right-hand side, the first import of
+a module. What runs inside another counted part is that part's.
+"""
+
+import builtins
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from typing import Any
+
+KINDS = ("solves", "integrations", "imports")
+
+
+class Meter:
+    """CPU seconds of this process by kind.
+
+    Attributes
+    ----------
+    seconds : dict
+        Kind, one of `KINDS`, to seconds.
+    """
+
+    def __init__(self) -> None:
+        self.seconds = dict.fromkeys(KINDS, 0.0)
+        self._inside = False
+
+    def around(self, kind: str, call: Callable) -> Callable:
+        """The same call, counted."""
+
+        @wraps(call)
+        def counted(*arguments: Any, **named: Any) -> Any:
+            if self._inside:
+                return call(*arguments, **named)
+            self._inside, begun = True, time.process_time()
+            try:
+                return call(*arguments, **named)
+            finally:
+                self.seconds[kind] += time.process_time() - begun
+                self._inside = False
+
+        return counted
+
+    def _importing(self, plain: Callable) -> Callable:
+        counted = self.around("imports", plain)
+
+        def imported(name: str, *rest: Any, **named: Any) -> Any:
+            return (plain if name in sys.modules else counted)(name, *rest, **named)
+
+        return imported
+
+    @contextmanager
+    def imports(self) -> Iterator[None]:
+        """Count imports inside the block."""
+        plain = builtins.__import__
+        builtins.__import__ = self._importing(plain)
+        try:
+            yield
+        finally:
+            builtins.__import__ = plain
+
+    @contextmanager
+    def calls(self) -> Iterator[None]:
+        """Count Clarabel and the integrators of `gainsay.simulation` inside the block."""
+        import clarabel
+
+        from gainsay.simulation import batch, delay_steps, linear, ode, periodic
+
+        places = [(clarabel, "DefaultSolver", _counted_solver(self, clarabel.DefaultSolver))]
+        places += [(module, "solve_ivp", self.around("integrations", module.solve_ivp)) for module in (ode, batch)]
+        places += [
+            (kind, name, self.around("integrations", getattr(kind, name)))
+            for kind, name in (
+                (periodic.PeriodicSolution, "__init__"),
+                (linear.Response, "__init__"),
+                (delay_steps.Steps, "of"),  # a bound method of the class: counted, it takes the same arguments
+                (delay_steps.Steps, "run"),
+            )
+        ]
+        kept = [(owner, name, vars(owner)[name]) for owner, name, _ in places]
+        for owner, name, counted in places:
+            setattr(owner, name, staticmethod(counted) if name == "of" else counted)
+        try:
+            yield
+        finally:
+            for owner, name, plain in kept:
+                setattr(owner, name, plain)
+
+
+def _counted_solver(meter: Meter, solver: Callable) -> type:
+    class Counted:
+        """Clarabel's solver, whose set-up and run are counted."""
+
+        def __init__(self, *data: Any) -> None:
+            self.solver = meter.around("solves", solver)(*data)
+
+        def __getattr__(self, name: str) -> Any:
+            found = getattr(self.solver, name)
+            return meter.around("solves", found) if name == "solve" else found
+
+    return Counted

@@ -1,0 +1,70 @@
+"""Certified answers against plain cvxpy with Clarabel: random programs up to 60 rows and 300 unknowns."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from gainsay.bench.measure import Row, paired
+from gainsay.bench.random_programs import Drawn, draw
+from gainsay.lmi import Infeasible, Infimum, Solved, infimum, solve
+from gainsay.lmi.affine import affine
+
+#: rows, unknowns, and whether the program has points
+_SIZES = ((6, 12), (20, 60), (40, 150), (60, 300))
+_AIM = 3.0
+
+
+def rows() -> Iterator[Row]:
+    """Measure feasible, infeasible and minimising programs of every size.
+
+    Raises
+    ------
+    RuntimeError
+        If an answer is not the one known, or not proved: that is no measurement.
+    """
+    rng = np.random.default_rng(60)
+    for size, unknowns in _SIZES:
+        runs = 3 if size < 40 else 1
+        for feasible in (True, False):
+            drawn = draw(rng, size, unknowns, feasible, 1e-2)
+            kind = Solved if feasible else Infeasible
+            what = f"{size} rows, {unknowns} unknowns, {'a point' if feasible else 'a refutation'}"
+
+            def ours(drawn: Drawn = drawn, kind: type = kind) -> None:
+                if not isinstance(solve(drawn.program), kind):
+                    raise RuntimeError(f"{drawn.program.label}: not the known outcome")
+
+            yield paired(what, ours, "plain cvxpy with Clarabel", lambda d=drawn: _plain(d), aim=_AIM, runs=runs)
+        least = _bounded(rng, size, unknowns)
+
+        def enclosed(program=least) -> None:
+            found = infimum(program)
+            if not (isinstance(found, Infimum) and found.upper - found.lower < 1e-5 * max(1.0, abs(found.upper))):
+                raise RuntimeError(f"{program.label}: not enclosed")
+
+        yield paired(f"{size} rows, {unknowns} unknowns, an infimum", enclosed, "plain cvxpy with Clarabel",
+                     lambda p=least: _plain(Drawn(p, True, 0.0)), aim=_AIM, runs=runs)  # fmt: skip
+
+
+def _bounded(rng: np.random.Generator, size: int, unknowns: int):
+    """A feasible program with an objective that a definite multiplier bounds."""
+    program = draw(rng, size, unknowns, True, 1e-2).program
+    block = program.constraints[0].expression
+    root = rng.standard_normal((size, size))
+    weight = root @ root.T / size + np.eye(size)
+    cost = {v: np.tensordot(weight, c, 2)[None, None, :] for v, c in block.terms.items()}
+    return replace(program, minimise=type(block)(affine(0.0).constant, cost))
+
+
+def _plain(drawn: Drawn) -> None:
+    """The program as a user of cvxpy writes it who knows to stack its coefficients."""
+    import cvxpy
+
+    program = drawn.program
+    (row,) = program.rows
+    x = cvxpy.Variable(program.size)
+    flat = row.constant.ravel() + row.tensor.reshape(-1, program.size) @ x
+    block = cvxpy.reshape(flat, row.constant.shape, order="C")
+    problem = cvxpy.Problem(cvxpy.Minimize(program.cost @ x), [block >> 1e-6 * np.eye(row.size)])
+    problem.solve(solver=cvxpy.CLARABEL)

@@ -1,0 +1,324 @@
+"""Multipliers that exist exactly, near floats that satisfy their equations to a solver's tolerance.
+
+They are proved to exist in one of two ways: the equations are solved by a small step inside the range of the
+multipliers, which leaves them positive (`confined`); or by a small step of factors V_j of Z_j = V_j V_j', which are
+positive whatever the step (`factored`). The step is bounded by a right inverse and its defect, all in floats with
+proved rounding errors.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from flint import fmpq_mat
+
+from gainsay.exact.rational import to_fmpq
+from gainsay.lmi import scaling
+from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.points import is_strict
+from gainsay.lmi.rounding import RightInverse, gamma, norm, power_of_two, proved_positive
+
+
+@dataclass(frozen=True)
+class Multipliers:
+    """Floats beside exact multipliers of ``sum <coefficients, Z_j> = cost``, scaled coordinates.
+
+    Attributes
+    ----------
+    z : tuple of ndarray
+    low, high : float
+        Bounds on the sum of <constant part, Z_j> of the exact ones.
+    distance : float
+        Bound on the distance of all of z to the exact ones.
+    strict : bool
+        Whether a strict inequality is proved to carry weight.
+    """
+
+    z: tuple[np.ndarray, ...]
+    low: float
+    high: float
+    distance: float
+    strict: bool
+
+    @property
+    def refute(self) -> bool:
+        """Whether multipliers of cost zero refute their program."""
+        return self.high < 0 or (self.high <= 0 and self.strict)
+
+
+class System:
+    """The equations of the multipliers of a scaled program.
+
+    Parameters
+    ----------
+    scaled : Scaled
+    constraints : sequence of constraints
+    cost : ndarray
+        Right side; zero for a refutation.
+    """
+
+    def __init__(self, scaled: scaling.Scaled, constraints: Sequence, cost: np.ndarray) -> None:
+        self.scaled, self.constraints, self.cost = scaled, constraints, cost
+        flat = [t.reshape(-1, len(cost)) for t in scaled.tensors]
+        stack = np.vstack(flat)
+        self.sizes = np.linalg.norm(stack, axis=0) * (1 + gamma(len(stack)))
+        self.kept = _independent(stack, cost)
+
+    def solvable(self) -> bool:
+        """Whether the unknowns whose equations are left out are known to follow from the others."""
+        return self.kept is not None
+
+    def confined(self, multipliers: Sequence[np.ndarray], cut: float) -> Multipliers | None:
+        """Prove multipliers ``L (I + E) L'`` with a small E, L a factor of what the given ones have above a cut.
+
+        Steps are measured by E, so that they leave a multiplier positive whatever the sizes of its entries.
+        """
+        frames = self._frames(multipliers, cut)
+        if frames is None:
+            return None
+        cost = self.cost[self.kept]
+        needed = ~(self._met(frames) & (cost == 0))
+        cost, columns, sizes = cost[needed], [], []
+        for constraint, tensor, frame in zip(self.constraints, self._tensors(), frames, strict=True):
+            part = tensor if needed.all() else tensor[..., needed]
+            if isinstance(constraint, Definite):
+                shape = (frame.shape[1] ** 2, len(cost))
+                columns.append(_congruent(part, frame).reshape(shape))
+                sizes.append(_congruent(np.abs(part), np.abs(frame)).reshape(shape))
+            else:
+                columns.append(frame.T @ part)
+                sizes.append(np.abs(frame).T @ np.abs(part))
+        stack = np.vstack(columns)
+        lengths = np.linalg.norm(stack, axis=0)
+        if not (lengths > 0).all():
+            return None
+        units = power_of_two(1 / lengths)
+        stack = stack * units
+        longest = max((len(f) for f in frames), default=1)
+        blur = 2 * gamma(2 * longest) * norm(np.vstack(sizes) * units)
+        inverse = RightInverse.of(stack.T, blur)
+        if inverse is None:
+            return None
+        cores = [np.eye(f.shape[1]) if isinstance(c, Definite) else np.ones(f.shape[1])
+                 for c, f in zip(self.constraints, frames, strict=True)]  # fmt: skip
+        for number in range(3):
+            z, wide = _assembled(self.constraints, frames, cores)
+            rest, bound = self._rest(z, wide)
+            if number < 2:
+                step, place = inverse.matrix @ (units * rest[needed]), 0
+                for i, core in enumerate(cores):
+                    part = step[place : place + core.size].reshape(core.shape)
+                    cores[i] = core - ((part + part.T) / 2 if core.ndim == 2 else part)
+                    place += core.size
+        reach = inverse.reach(norm(units * bound[needed]))
+        strict, distance, linear, blur = False, 0.0, [], 0.0
+        for constraint, constant, frame, core in zip(
+            self.constraints, self.scaled.constants, frames, cores, strict=True
+        ):
+            if isinstance(constraint, Definite):
+                if core.size and not proved_positive(core, reach * np.eye(len(core))):
+                    return None
+                strict = strict or (core.size > 0 and is_strict(constraint))
+                distance += reach * norm(frame) ** 2
+                linear.append(_congruent(constant[..., None], frame).ravel())
+                blur += 2 * gamma(2 * len(frame)) * norm(_congruent(np.abs(constant)[..., None], np.abs(frame)))
+            else:
+                if isinstance(constraint, Entrywise) and core.size and core.min() < reach:
+                    return None
+                distance += reach * norm(frame)
+                linear.append(frame.T @ constant)
+                blur += gamma(len(frame)) * norm(np.abs(frame).T @ np.abs(constant))
+        value = inverse.change(np.concatenate(linear), units * bound[needed]) + blur * reach
+        return self._bounded(z, wide, distance, value, strict)
+
+    def _frames(self, multipliers: Sequence[np.ndarray], cut: float) -> list[np.ndarray] | None:
+        """Factors L of matrices, Z = L L', and diagonal ones of lists, without what is below the cut."""
+        top = _top(self.constraints, multipliers)
+        frames = []
+        for constraint, z in zip(self.constraints, multipliers, strict=True):
+            if isinstance(constraint, Equal):
+                frames.append(np.diag(np.maximum(np.abs(z), 1e-3 * top + 1e-300)))
+            elif isinstance(constraint, Definite) and cut > 0:
+                values, vectors = np.linalg.eigh(z)
+                large = values > cut * top
+                frames.append(vectors[:, large] * np.sqrt(values[large]))
+            elif isinstance(constraint, Definite):
+                try:
+                    frames.append(np.linalg.cholesky(z))
+                except np.linalg.LinAlgError:
+                    return None
+            else:
+                frames.append(np.diag(z)[:, z > cut * top])
+                if cut <= 0 and not (z > 0).all():
+                    return None
+        return frames
+
+    def _rest(self, z: Sequence[np.ndarray], wide: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Residual of the equations, and a bound on it for all multipliers within `wide` of z."""
+        total = -self.cost[self.kept]
+        sizes = np.abs(total)
+        spread = np.zeros(len(total))
+        for tensor, m, error in zip(self._tensors(), z, wide, strict=True):
+            axes = m.ndim
+            total = total + np.tensordot(m, tensor, axes)
+            large = np.abs(tensor)
+            sizes = sizes + np.tensordot(np.abs(m), large, axes)
+            spread = spread + np.tensordot(error, large, axes)
+        count = sum(m.size for m in z) + len(z) + 2
+        return total, np.abs(total) + gamma(count) * sizes + spread * (1 + gamma(count))
+
+    def _met(self, frames: Sequence[np.ndarray]) -> np.ndarray:
+        """Unknowns that no entry within the frames holds: their equations are met whatever the cores."""
+        free = np.ones(len(self.kept), bool)
+        for tensor, frame in zip(self._tensors(), frames, strict=True):
+            rows = np.abs(frame).sum(axis=1) > 0
+            part = tensor[rows][:, rows] if tensor.ndim == 3 else tensor[rows]
+            free &= ~part.any(axis=tuple(range(part.ndim - 1)))
+        return free
+
+    def factored(self, multipliers: Sequence[np.ndarray], cut: float) -> Multipliers | None:
+        """Prove multipliers Z_j = V_j V_j' of the rank that `cut` leaves, by Gauss-Newton and a contraction."""
+        top = _top(self.constraints, multipliers)
+        factors: list[np.ndarray] = []
+        for constraint, z in zip(self.constraints, multipliers, strict=True):
+            if isinstance(constraint, Definite):
+                values, vectors = np.linalg.eigh(z)
+                large = values > cut * top
+                factors.append(vectors[:, large] * np.sqrt(values[large]))
+            elif isinstance(constraint, Equal):
+                factors.append(np.array(z))
+            else:
+                factors.append(np.sqrt(np.where(z > cut * top, z, 0.0)))
+        if sum(f.size for f in factors) < len(self.kept):
+            return None
+        for number in range(6):
+            slope, residual, blur, bound = self._linearised(factors)
+            lengths = np.linalg.norm(slope, axis=1)
+            if not (lengths > 0).all():
+                return None
+            units = power_of_two(1 / lengths)
+            inverse = RightInverse.of(slope * units[:, None], blur * float(units.max()))
+            if inverse is None:
+                return None
+            step = inverse.reach(norm(units * bound), norm(self.sizes[self.kept] * units))
+            if number > 1 and np.isfinite(step):
+                break
+            move, place = -inverse.matrix @ (units * residual), 0
+            for i, f in enumerate(factors):
+                factors[i] = f + move[place : place + f.size].reshape(f.shape)
+                place += f.size
+        if not np.isfinite(step):
+            return None
+        z, wide, strict, distance, value = [], [], False, 0.0, 0.0
+        for constraint, constant, f in zip(self.constraints, self.scaled.constants, factors, strict=True):
+            if isinstance(constraint, Definite):
+                z.append(f @ f.T)
+                wide.append(2 * gamma(f.shape[1]) * np.abs(f) @ np.abs(f).T)
+                strict = strict or (is_strict(constraint) and float(np.linalg.norm(f)) > 2 * step)
+                own = 2 * norm(f) * step + step**2
+                value += 2 * norm(np.abs(constant) @ np.abs(f)) * step + norm(constant) * step**2
+            elif isinstance(constraint, Equal):
+                z.append(f)
+                wide.append(np.zeros_like(f))
+                own = step
+                value += norm(constant) * step
+            else:
+                z.append(f**2)
+                wide.append(gamma(1) * f**2)
+                own = 2 * norm(f) * step + step**2
+                value += norm(constant) * own
+            distance += own
+        return self._bounded(z, wide, distance, value * (1 + 1e-9), strict)
+
+    def _tensors(self) -> Iterator[np.ndarray]:
+        for tensor in self.scaled.tensors:
+            yield tensor if len(self.kept) == tensor.shape[-1] else tensor[..., self.kept]
+
+    def _linearised(self, factors: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+        """Slope and residual of the equations at factors; bounds on the slope's error and on the residual."""
+        slopes, total = [], -self.cost[self.kept]
+        sizes = np.abs(total)
+        blur = 0.0
+        for constraint, tensor, f in zip(self.constraints, self._tensors(), factors, strict=True):
+            if isinstance(constraint, Definite):
+                half = np.einsum("ijk,jr->irk", tensor, f, optimize=True)
+                slopes.append(2 * half.reshape(f.size, len(self.kept)))
+                total = total + np.einsum("irk,ir->k", half, f)
+                weight = np.abs(f) @ np.abs(f).T
+                sizes = sizes + np.einsum("ijk,ij->k", np.abs(tensor), weight)
+                blur += 2 * gamma(len(f)) * norm(tensor) * norm(f)
+            elif isinstance(constraint, Equal):
+                slopes.append(tensor)
+                total = total + f @ tensor
+                sizes = sizes + np.abs(f) @ np.abs(tensor)
+            else:
+                slopes.append(2 * f[:, None] * tensor)
+                total = total + f**2 @ tensor
+                sizes = sizes + f**2 @ np.abs(tensor)
+                blur += 2 * gamma(1) * norm(tensor) * norm(f)
+        terms = sum(f.size for f in factors) + sum(len(c) for c in self.scaled.constants) + 4
+        return np.vstack(slopes).T, total, blur, np.abs(total) + gamma(terms) * sizes
+
+    def _bounded(
+        self, z: Sequence[np.ndarray], wide: Sequence[np.ndarray], distance: float, value: float, strict: bool
+    ) -> Multipliers:
+        """Gather floats z: off by `wide` from what lies within `distance` of exact ones, of a value off by `value`."""
+        middle = sizes = spread = 0.0
+        for m, error, c in zip(z, wide, self.scaled.constants, strict=True):
+            middle += float(np.sum(m * c))
+            sizes += float(np.sum(np.abs(m) * np.abs(c)))
+            spread += float(np.sum(error * np.abs(c)))
+        count = sum(m.size for m in z) + len(z)
+        spread = value + spread * (1 + gamma(count)) + gamma(count) * sizes
+        distance += float(np.sqrt(sum(norm(e) ** 2 for e in wide)))
+        return Multipliers(tuple(z), middle - spread, middle + spread, distance, strict)
+
+
+def _congruent(tensor: np.ndarray, frame: np.ndarray) -> np.ndarray:
+    """``frame' T_k frame`` for every k, shape (r, r, k)."""
+    n, r = frame.shape
+    half = np.tensordot(frame, tensor, (0, 0))  # (r, n, k)
+    return np.tensordot(half, frame, (1, 0)).transpose(0, 2, 1) if r and n else np.zeros((r, r, tensor.shape[-1]))
+
+
+def _assembled(constraints: Sequence, frames: Sequence, cores: Sequence) -> tuple[list, list]:
+    """Multipliers of frames and cores, and what rounding leaves out of each entry."""
+    z, wide = [], []
+    for constraint, frame, core in zip(constraints, frames, cores, strict=True):
+        large = np.abs(frame)
+        if isinstance(constraint, Definite):
+            m = frame @ core @ frame.T
+            z.append((m + m.T) / 2)
+            wide.append(2 * gamma(2 * frame.shape[1] + 1) * (large @ np.abs(core) @ large.T))
+        else:
+            z.append(frame @ core)
+            wide.append(2 * gamma(frame.shape[1]) * (large @ np.abs(core)))
+    return z, wide
+
+
+def _top(constraints: Sequence, multipliers: Sequence[np.ndarray]) -> float:
+    sizes = [
+        (1e-7 if isinstance(c, Equal) else 1.0) * float(np.abs(m).max(initial=0.0))
+        for c, m in zip(constraints, multipliers, strict=True)
+    ]
+    return max(sizes, default=0.0)
+
+
+def _independent(stack: np.ndarray, cost: np.ndarray) -> np.ndarray | None:
+    """Coordinates whose equations imply those of all others, exactly; None where this is not so or not known."""
+    used = np.flatnonzero(np.abs(stack).max(axis=0, initial=0.0) > 0)
+    if cost[np.setdiff1d(np.arange(len(cost)), used)].any():
+        return None
+    if RightInverse.of(stack[:, used].T) is not None:
+        return used
+    if stack.size > 60_000:
+        return None
+    lines = np.unique(np.vstack([stack[:, used]]), axis=0)
+    lines = lines[np.abs(lines).max(axis=1) > 0]
+    whole = fmpq_mat([[to_fmpq(float(v)) for v in line] for line in np.vstack([lines, cost[None, used]])])
+    _, rank = whole.rref()
+    reduced, own = fmpq_mat([[to_fmpq(float(v)) for v in line] for line in lines]).rref()
+    if own < rank:
+        return None  # no multipliers at all: the cost is not in the span of the coefficients
+    pivots = [next(j for j in range(len(used)) if reduced[i, j] != 0) for i in range(own)]
+    return used[pivots]
