@@ -17,8 +17,8 @@ def ratios(case: Case) -> Iterator[Iterable[Row]]:
     if case.name == "wan2014":
         yield integration.rendezvous(case)
         yield synthesis.rows(case)
+        yield chain.replays(case)
     yield chain.proofs(case)
-    yield chain.replays(case)
 
 
 def _ratios(root: Path, papers: list[str]) -> tuple[int, int]:

@@ -69,7 +69,8 @@ def paired(
     what: str, candidate: Callable[[], object], against: str, baseline: Callable[[], object], *,
     aim: float | None = None, runs: int = 5, timer: Callable[[Callable[[], object]], float] = cpu_of,
 ) -> Row:  # fmt: skip
-    """Measure two calls in turn and return the medians."""
-    timer(candidate), timer(baseline)
+    """Measure two calls in turn and return the medians; several runs have one more before them, to warm up."""
+    if runs > 1:
+        timer(candidate), timer(baseline)
     times = [(timer(candidate), timer(baseline)) for _ in range(runs)]
     return Row(what, against, median(t for t, _ in times), median(t for _, t in times), aim)
