@@ -65,11 +65,10 @@ class Meter:
     @contextmanager
     def calls(self) -> Iterator[None]:
         """Count Clarabel and the integrators of `gainsay.simulation` inside the block."""
-        import clarabel
-
+        from gainsay.lmi import backends
         from gainsay.simulation import batch, delay_steps, linear, ode, periodic
 
-        places = [(clarabel, "DefaultSolver", _counted_solver(self, clarabel.DefaultSolver))]
+        places = [(backends, "bare_solve", self.around("solves", backends.bare_solve))]
         places += [(module, "solve_ivp", self.around("integrations", module.solve_ivp)) for module in (ode, batch)]
         places += [
             (kind, name, self.around("integrations", getattr(kind, name)))
@@ -88,17 +87,3 @@ class Meter:
         finally:
             for owner, name, plain in kept:
                 setattr(owner, name, plain)
-
-
-def _counted_solver(meter: Meter, solver: Callable) -> type:
-    class Counted:
-        """Clarabel's solver, whose set-up and run are counted."""
-
-        def __init__(self, *data: Any) -> None:
-            self.solver = meter.around("solves", solver)(*data)
-
-        def __getattr__(self, name: str) -> Any:
-            found = getattr(self.solver, name)
-            return meter.around("solves", found) if name == "solve" else found
-
-    return Counted

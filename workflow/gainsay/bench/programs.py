@@ -7,7 +7,7 @@ import numpy as np
 
 from gainsay.bench.measure import Row, paired
 from gainsay.bench.random_programs import Drawn, draw
-from gainsay.lmi import Infeasible, Infimum, Solved, infimum, solve
+from gainsay.lmi import Infeasible, Infimum, Solved, backends, infimum, scaling, solve
 from gainsay.lmi.affine import affine
 
 #: rows and unknowns
@@ -61,13 +61,9 @@ def _bounded(rng: np.random.Generator, size: int, unknowns: int):
 
 
 def _plain(drawn: Drawn) -> None:
-    """The program as a user of cvxpy writes it who knows to stack its coefficients."""
-    import cvxpy
-
+    """The program as a user of cvxpy writes it who knows to stack its coefficients, as it stands."""
     program = drawn.program
-    (row,) = program.rows
-    x = cvxpy.Variable(program.size)
-    flat = row.constant.ravel() + row.tensor.reshape(-1, program.size) @ x
-    block = cvxpy.reshape(flat, row.constant.shape, order="C")
-    problem = cvxpy.Problem(cvxpy.Minimize(program.cost @ x), [block >> 1e-6 * np.eye(row.size)])
-    problem.solve(solver=cvxpy.CLARABEL)
+    stated = scaling.Scaled(
+        program.cost, tuple(row.constant for row in program.rows), tuple(row.tensor for row in program.rows)
+    )
+    backends.run(stated, program.constraints, program.margin, "cvxpy")
