@@ -67,6 +67,7 @@ class Reading:
 
     @classmethod
     def of(cls, law: Callable, rule: Collocation, mesh: np.ndarray, h: np.ndarray, times: np.ndarray) -> "Reading":
+        """Find what every stage at `times` reads on the mesh, whose intervals have the lengths h."""
         delayed = times - law(times)
         own = np.arange(len(h))[:, None]
         # a delay that vanishes to rounding may put t - d(t) a hair beyond its own interval
@@ -109,6 +110,7 @@ class Steps:
 
     @classmethod
     def of(cls, A, Bd, Cd, rule: Collocation, h: np.ndarray, f: np.ndarray, reading: Reading) -> "Steps":
+        """Prepare intervals of lengths h under the forcing f, shape (k, s, n)."""
         (n, r), s, count = Bd.shape, len(rule.nodes), len(h)
         width, depth = n + (s + 1) * r, max(1, int(reading.reach.max()))
         distinct, which = np.unique(h, return_inverse=True)
