@@ -17,86 +17,92 @@ from papers.li2021 import plant
 
 ANGLES = ("roll", "pitch", "yaw")
 MODES = tuple(f"eta_{i}" for i in (1, 2, 3, 4))
-READINGS = (("constant", "drawn once"), ("slow", "every second"), ("fast", "every 0.1 s"))
+MODE_LABELS = tuple(rf"$\eta_{i}$" for i in (1, 2, 3, 4))
+READINGS = (("constant", "once"), ("slow", "every second"), ("fast", "every 0.1 s"))
 
 
 def poles(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 3: open- and closed-loop poles with the disk."""
-    left, right = panels(
-        figure, ["Poles of (10) and the disk [1/s]", "Open-loop poles [1e-5/s]"], columns=2, share_time=False
-    )
+    titles = ["poles and the disk, 1/s", r"open-loop poles, $10^{-5}$/s"]
+    left, right = panels(figure, ["imaginary part"] * 2, titles=titles, columns=2, share_time=False)
     nominal = plant.rigid(plant.constants(case))
     closed = np.linalg.eigvals(plant.closed_loop(nominal, plant.controller(case, "proposed")))
     opened = np.linalg.eigvals(nominal.A)
-    left.add_patch(Circle((-case.number("disk_centre"), 0), case.number("disk_radius"), fill=False, linestyle="--"))
-    left.plot(closed.real, closed.imag, "x", color="#0072b2", label="closed loop")
-    left.plot(opened.real, opened.imag, "+", color="#d55e00", label="open loop")
-    right.plot(1e5 * opened.real, 1e5 * opened.imag, "+", color="#d55e00", label="open loop")
-    right.axvline(0, color="#999999", linewidth=0.8)
+    centre, radius = case.number("disk_centre"), case.number("disk_radius")
+    ring = Circle((-centre, 0), radius, fill=False, linestyle="--", label=f"D({centre:g}, {radius:g})")
+    left.add_patch(ring)
+    left.plot(closed.real, closed.imag, "x", color=role("axis_1").on_light, label="closed loop")
+    for panel, scale in ((left, 1.0), (right, 1e5)):
+        open_loop = role("axis_2").on_light
+        panel.plot(scale * opened.real, scale * opened.imag, "+", color=open_loop, label="open loop")
+        panel.axvline(0, color="#999999", linewidth=0.8)
+        panel.margins(0.1)
     left.set_aspect("equal")
-    for panel in (left, right):
-        finish(panel, x="real part")
+    finish(figure, (left, right), x="real part")
 
 
 def angles(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 4: Euler angles."""
-    (panel,) = panels(figure, ["Euler angles [rad]"])
-    curves(panel, logs["proposed"], "/attitude/angles", ANGLES, until=100.0)
-    finish(panel)
+    grid = panels(figure, ["Euler angles [deg]"])
+    curves(grid[0], logs["proposed"], "/attitude/angles_deg", ANGLES, until=100.0)
+    finish(figure, grid)
 
 
 def rates(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 5: Euler rates."""
-    (panel,) = panels(figure, ["Euler rates [rad/s]"])
-    curves(panel, logs["proposed"], "/attitude/rates", ANGLES, until=100.0)
-    finish(panel)
+    grid = panels(figure, ["Euler rates [deg/s]"])
+    curves(grid[0], logs["proposed"], "/attitude/rates_deg_s", ANGLES, until=100.0)
+    finish(figure, grid)
 
 
 def torque(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw Figure 6: control torque, its transient, and its norm with the bound."""
-    left, right = panels(figure, ["Control torque [N m]", "Norm of the torque [N m]"], columns=2)
-    curves(left, logs["proposed"], "/wheels/torque", ("x", "y", "z"), until=60.0)
+    """Draw Figure 6: control torque in its transient, and its norm with the bound."""
+    grid = panels(figure, ["control torque [N m]", "norm of the torque [N m]"], columns=2)
+    curves(grid[0], logs["proposed"], "/wheels/torque", ("x", "y", "z"), until=60.0)
     signal = logs["proposed"]["/wheels/torque_size"]
     shown = signal.time <= 60.0
-    curve(right, signal.time[shown], signal.column("size")[shown], "magnitude", "norm")
-    bound(right, case.number("u_max"), "u_max")
-    right.set_ylim(bottom=0)
-    for panel in (left, right):
-        finish(panel)
+    curve(grid[1], signal.time[shown], signal.column("size")[shown], "magnitude", "norm")
+    bound(grid[1], case.number("u_max"), "u_max", both=False)
+    grid[1].set_ylim(bottom=0)
+    finish(figure, grid)
 
 
 def modes(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw Figure 7: modal coordinates."""
-    (panel,) = panels(figure, ["Modal coordinates [kg^0.5 m]"])
-    curves(panel, logs["proposed"], "/modes/coordinates", MODES)
-    finish(panel)
+    """Draw Figure 7: modal coordinates, the first minute and all of the run."""
+    titles = ["first 60 s", "whole run"]
+    grid = panels(figure, [r"modal coordinates [kg$^{0.5}$ m]"] * 2, titles=titles, share_time=False)
+    for panel, until in zip(grid, (60.0, None), strict=True):
+        curves(panel, logs["proposed"], "/modes/coordinates", MODES, labels=MODE_LABELS, until=until)
+    finish(figure, grid)
 
 
 def random_gains(name: str):
     """Return the drawing of Figure 8 or 9: angles under random gains, in three readings."""
 
     def draw(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-        grid = panels(figure, [f"Euler angles, gains {text} [rad]" for _, text in READINGS])
+        titles = [f"gains redrawn: {text}" for _, text in READINGS]
+        grid = panels(figure, ["Euler angles [deg]"] * 3, titles=titles)
         for panel, (reading, _) in zip(grid, READINGS, strict=True):
-            curves(panel, logs[f"{name}_{reading}"], "/attitude/angles", ANGLES, until=150.0)
-            finish(panel)
+            curves(panel, logs[f"{name}_{reading}"], "/attitude/angles_deg", ANGLES, until=150.0)
+        finish(figure, grid)
 
     return draw
 
 
 def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw largest angle and norm of the torque of the printed gains and of our own."""
-    left, right = panels(figure, ["Largest Euler angle [rad]", "Norm of the torque [N m]"], columns=2)
+    labels = ["largest Euler angle [deg]", "norm of the torque [N m]"]
+    left, right = panels(figure, labels, columns=2, share_time=False)
     named = (("proposed", "printed", "nominal"), ("comparison", "[39]", "comparison"), ("repaired", "ours", "axis_3"),
              ("best", "largest variation", "perturbed"))  # fmt: skip
     for run, label, look in named:
-        signal, size = logs[run]["/attitude/angles"], logs[run]["/wheels/torque_size"]
+        signal, size = logs[run]["/attitude/angles_deg"], logs[run]["/wheels/torque_size"]
         shown = signal.time <= 60.0
         curve(left, signal.time[shown], np.abs(signal.values[shown]).max(axis=1), look, label)
         curve(right, size.time[size.time <= 30.0], size.column("size")[size.time <= 30.0], look, label)
     left.set_yscale("log")
-    for panel in (left, right):
-        finish(panel)
+    right.set_ylim(bottom=0)
+    finish(figure, (left, right))
 
 
 def tradeoff(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
@@ -117,16 +123,21 @@ def tradeoff(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         loop = plant.closed_loop(nominal, gains)
         radius = np.abs(np.linalg.eigvals(loop) + case.number("disk_centre")).max()
         certified.append((hinf_norm(loop, B, C)[0], radius, values[f"certified.{name}.delta_m"], label, look, marker))
-    axes = panels(figure, ["Largest gain variation delta_m [1]"] * 2, columns=2, share_time=False)
-    for column, title in enumerate(("norm from d~ to y [rad/(N m)]", "largest |s + 1.01| over the poles [1/s]")):
+    axes = panels(figure, ["largest gain variation delta_m [1]"] * 2, columns=2, share_time=False)
+    for column in range(2):
         panel = axes[column]
         body = role("body").on_light
         panel.plot(searched[column], searched[2], "o", mfc="none", color=body, label="trade-off")
         for *place, reached, label, look, marker in certified:
             panel.plot(place[column], reached, marker, color=role(look).on_light, label=label)
-        bound(panel, case.number("delta_m"), "the paper's")
+        bound(panel, case.number("delta_m"), "Table 1", both=False)
         panel.set_ylim(0, 1.1 * max(values[name] for name in values if name.endswith(".delta_m")))
-        finish(panel, x=title, legend=column == 0)
+        panel.margins(x=0.05)
+    finish(figure, axes)
+    for panel, title in zip(
+        axes, ("norm from d~ to y [rad/(N m)]", "largest |s + 1.01| over the poles [1/s]"), strict=True
+    ):
+        panel.set_xlabel(title)
 
 
 def _runs(name: str) -> tuple[str, ...]:
@@ -138,7 +149,7 @@ FIGURES = (
     FigureSpec("figure_4", ("proposed",), angles),
     FigureSpec("figure_5", ("proposed",), rates),
     FigureSpec("figure_6", ("proposed",), torque),
-    FigureSpec("figure_7", ("proposed",), modes),
+    FigureSpec("figure_7", ("proposed",), modes, 4.6),
     FigureSpec("figure_8", _runs("proposed"), random_gains("proposed"), 7.0),
     FigureSpec("figure_9", _runs("comparison"), random_gains("comparison"), 7.0),
     FigureSpec("random_repaired", _runs("repaired"), random_gains("repaired"), 7.0),

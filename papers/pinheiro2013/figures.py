@@ -6,7 +6,6 @@ nominal plant; dashed: plants with uncertainty. Axes and scales of the paper's p
 
 from collections.abc import Mapping
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from gainsay.figures import FigureSpec, bound, finish, panels
@@ -19,34 +18,32 @@ LABELS = {
     "h2": r"$\gamma = 100$ (pure $H_2$)",
 }
 NAMES = {"roll": "x", "pitch": "y", "yaw": "z"}
-DEGREES = 180 / np.pi
 
 
-def _curve(panel, signal, field: str, design: str, factor: float, *, dashed: bool = False, label: str = "") -> None:
+def _curve(panel, signal, field: str, design: str, *, dashed: bool = False, label: str = "") -> None:
     panel.plot(
-        signal.time, factor * signal.column(field), color=COLOURS[design], linewidth=0.9 if dashed else 1.3,
+        signal.time, signal.column(field), color=COLOURS[design], linewidth=0.8 if dashed else 1.2,
         linestyle=(0, (4, 2)) if dashed else "solid", label=label or None,
     )  # fmt: skip
 
 
-def _finish(panel, place: str = "upper right") -> None:
-    finish(panel, legend=False)
-    panel.legend(loc=place, ncols=1, fontsize=6)
+def _panels(figure: Figure, label: str) -> list:
+    return panels(figure, [label] * 2, titles=[f"reconstruction {r}" for r in "AB"], columns=2)
 
 
 def uncertainty(name: str, designs: tuple[str, ...]):
     """Return the drawing of an angle with and without uncertainty, one panel a reconstruction."""
 
     def draw(figure: Figure, logs: Mapping[str, Log], case) -> None:
-        grid = panels(figure, [f"{name.capitalize()} angle [deg], reconstruction {r}" for r in "AB"], columns=2)
+        grid = _panels(figure, f"{name} angle [deg]")
         for panel, r in zip(grid, "ab", strict=True):
             for design in designs:
                 log = logs[f"{r}_{design}_release"]
-                _curve(panel, log["/nominal/angles"], name, design, DEGREES, label=LABELS[design])
+                _curve(panel, log["/nominal/angles_deg"], name, design, label=LABELS[design])
                 for k in (1, 2):
-                    _curve(panel, log[f"/plant_{k}/angles"], name, design, DEGREES, dashed=True)
-            panel.plot([], [], color="#666666", linewidth=0.9, linestyle=(0, (4, 2)), label="with uncertainty")
-            _finish(panel)
+                    _curve(panel, log[f"/plant_{k}/angles_deg"], name, design, dashed=True)
+            panel.plot([], [], color="#666666", linewidth=0.8, linestyle=(0, (4, 2)), label="with uncertainty")
+        finish(figure, grid)
 
     return draw
 
@@ -55,14 +52,15 @@ def control(name: str):
     """Return the drawing of a control torque, one panel a reconstruction, with the wheel's limit."""
 
     def draw(figure: Figure, logs: Mapping[str, Log], case) -> None:
-        grid = panels(figure, [f"Control torque, {name} [N m], reconstruction {r}" for r in "AB"], columns=2)
+        grid = _panels(figure, f"control torque, {name} [N m]")
+        limit = case.number("wheel_torque")
         for panel, r in zip(grid, "ab", strict=True):
             for design in COLOURS:
                 log = logs[f"{r}_{design}_release"]
-                _curve(panel, log["/nominal/torque"], NAMES[name], design, 1.0, label=LABELS[design])
-            bound(panel, case.number("wheel_torque"), "wheel of Table 2")
+                _curve(panel, log["/nominal/torque"], NAMES[name], design, label=LABELS[design])
+            bound(panel, limit, f"{limit:g} N m\n(Table 2)")
             panel.set_xlim(0, 60)
-            _finish(panel, "center right")
+        finish(figure, grid)
 
     return draw
 
@@ -71,14 +69,12 @@ def external(name: str):
     """Return the drawing of an angle under the torques (25), one panel a reconstruction."""
 
     def draw(figure: Figure, logs: Mapping[str, Log], case) -> None:
-        grid = panels(figure, [f"{name.capitalize()} angle [deg], reconstruction {r}" for r in "AB"], columns=2)
+        grid = _panels(figure, f"{name} angle [deg]")
         for panel, r in zip(grid, "ab", strict=True):
             for design in ("h2", "mixed", "hinf"):
                 log = logs[f"{r}_{design}_disturbed"]
-                _curve(panel, log["/nominal/angles"], name, design, DEGREES, label=LABELS[design])
-            low, high = panel.get_ylim()
-            panel.set_ylim(low - 0.35 * (high - low), high)
-            _finish(panel, "lower center")
+                _curve(panel, log["/nominal/angles_deg"], name, design, label=LABELS[design])
+        finish(figure, grid)
 
     return draw
 

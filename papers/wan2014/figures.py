@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from gainsay.figures import FigureSpec, bound, curve, curves, finish, panels
@@ -15,71 +14,77 @@ _TRANSIENT, _APPROACH = 20.0, 3000.0
 
 def estimation_error(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 2: velocity components of the error vector."""
-    (panel,) = panels(figure, ["Velocity error of the estimate [m/s]"])
-    curves(panel, logs["nominal"], "/observer/error", VELOCITIES, until=_TRANSIENT)
-    finish(panel)
+    grid = panels(figure, ["velocity error of the estimate [m/s]"])
+    curves(grid[0], logs["nominal"], "/observer/error", VELOCITIES, until=_TRANSIENT)
+    finish(figure, grid)
 
 
 def velocities(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 3: relative velocities."""
-    (panel,) = panels(figure, ["Relative velocity [m/s]"])
-    curves(panel, logs["nominal"], "/chaser/state", VELOCITIES, until=_APPROACH)
-    finish(panel)
+    grid = panels(figure, ["relative velocity [m/s]"])
+    curves(grid[0], logs["nominal"], "/chaser/state", VELOCITIES, until=_APPROACH)
+    finish(figure, grid)
 
 
 def thrusts(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 4: thrusts, the transient beside the whole approach, with the bounds of (5)."""
-    titles = [f"Thrust along {axis} [N]" for axis in "xyz" for _ in range(2)]
-    grid = panels(figure, titles, columns=2, share_time=False)
+    labels = [f"f{axis} [N]" for axis in "xyz" for _ in range(2)]
+    titles = [f"first {_TRANSIENT:g} s", f"first {_APPROACH:g} s"]
+    grid = panels(figure, labels, titles=titles, columns=2, share_time=False)
     signal = logs["nominal"]["/chaser/thrust"]
     for index, axis in enumerate("xyz"):
+        limit = case.number(f"thrust_max_{axis}")
         for column, until in enumerate((_TRANSIENT, _APPROACH)):
             panel = grid[2 * index + column]
             shown = signal.time <= until
             curve(panel, signal.time[shown], signal.column(axis)[shown], f"axis_{index + 1}")
-            bound(panel, case.number(f"thrust_max_{axis}"))
-            finish(panel, legend=False, x="time [s]" if index == 2 else "")
+            bound(panel, limit, f"{limit:g} N (5)")
+    finish(figure, grid[-2:])
 
 
 def trajectory(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 5: the trajectory of the first 3000 s, in the orbital plane and out of it."""
-    left, right = panels(figure, ["Along track y over radial x [m]", "Out of plane z over radial x [m]"], columns=2,
-                         share_time=False)  # fmt: skip
+    grid = panels(figure, ["along track y [m]", "out of plane z [m]"], columns=2, share_time=False)
     state = logs["nominal"]["/chaser/state"]
     shown = state.time <= _APPROACH
     x, y, z = (state.column(field)[shown] for field in "xyz")
-    for panel, other in ((left, y), (right, z)):
-        curve(panel, x, other, "truth", "chaser")
+    for panel, other in zip(grid, (y, z), strict=True):
+        curve(panel, x, other, "truth", f"chaser, first {_APPROACH:g} s")
+        panel.plot(x[:1], other[:1], marker="o", markersize=4, color="#1f1f1f", linestyle="none", label="start")
         panel.plot([0], [0], marker="+", markersize=9, color="#cc79a7", linestyle="none", label="target")
-        finish(panel, x="radial x [m]")
+        panel.margins(x=0.05)
+    finish(figure, grid, x="radial x [m]")
 
 
 def starts(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw thrust along y under three starts of the estimate that the paper's text allows."""
-    (panel,) = panels(figure, ["Thrust along y [N], by the start of the estimate"])
-    named = (("nominal", "measured position", "nominal"), ("exact_start", "true state", "comparison"),
-             ("blind_start", "zero", "perturbed"))  # fmt: skip
-    for run, label, role in named:
-        signal = logs[run]["/chaser/thrust"]
-        shown = signal.time <= _TRANSIENT
-        curve(panel, signal.time[shown], signal.column("y")[shown], role, label)
-    bound(panel, case.number("thrust_max_y"), "bound of (5)")
-    panel.set_yscale("symlog", linthresh=40)
-    finish(panel)
+    """Draw thrust along y under three starts of the estimate that the text allows, whole and near the bounds."""
+    titles = ["all of it", "near the bounds"]
+    grid = panels(figure, ["fy [N]"] * 2, titles=titles, columns=2, share_time=False)
+    named = (("nominal", "estimate starts at the measured position", "nominal"),
+             ("exact_start", "at the true state", "comparison"), ("blind_start", "at zero", "perturbed"))  # fmt: skip
+    limit = case.number("thrust_max_y")
+    for panel in grid:
+        for run, label, role in named:
+            signal = logs[run]["/chaser/thrust"]
+            shown = signal.time <= _TRANSIENT
+            curve(panel, signal.time[shown], signal.column("y")[shown], role, label)
+        bound(panel, limit, f"{limit:g} N (5)" if panel is grid[1] else "", both=panel is grid[1])
+    grid[1].set_ylim(-1.25 * limit, 1.25 * limit)
+    finish(figure, grid)
 
 
 def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw range and spent velocity increment of the printed controller and of our designs."""
-    left, right = panels(figure, ["Range to the target [m]", "Velocity increment so far [m/s]"], columns=2)
+    grid = panels(figure, ["range to the target [m]", "velocity increment so far [m/s]"], columns=2)
     named = (("nominal", "printed", "nominal"), ("repaired", "repaired", "axis_3"), ("lqr", "LQR", "comparison"))
     for run, label, role in named:
-        for panel, topic, field in ((left, "/chaser/range", "range"), (right, "/integrals", "delta_v")):
+        for panel, topic, field in zip(grid, ("/chaser/range", "/integrals"), ("range", "delta_v"), strict=True):
             signal = logs[run][topic]
             shown = signal.time <= _APPROACH
-            curve(panel, signal.time[shown], np.maximum(signal.column(field)[shown], 1e-3), role, label)
-    left.set_yscale("log")
-    for panel in (left, right):
-        finish(panel)
+            curve(panel, signal.time[shown], signal.column(field)[shown], role, label)
+    grid[0].set_yscale("log")
+    grid[0].set_ylim(bottom=1e-3)
+    finish(figure, grid)
 
 
 FIGURES = (

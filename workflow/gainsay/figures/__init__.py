@@ -1,4 +1,4 @@
-"""Figures for print, drawn from logs alone, the same to the byte every time."""
+"""Figures for print, drawn from logs alone, the same to the byte every time; their look is `gainsay.figures.style`."""
 
 from gainsay.figures.drawing import FigureSpec, bound, curve, curves, finish, panels, save
 

@@ -1,4 +1,4 @@
-"""What all figures share: size, type, colour by role, bounds, deterministic files."""
+"""What all figures share: panels, curves in the colour of their role, named bounds, legends, deterministic files."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,30 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from gainsay.figures.style import DASHES, RESOLUTION, STYLE, width_of
 from gainsay.logs import Log
 from gainsay.logs.palette import role
 from gainsay.tables import Case
-
-_STYLE = {
-    "font.family": "DejaVu Sans",
-    "font.size": 9,
-    "axes.titlesize": 9,
-    "axes.titlelocation": "left",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.alpha": 0.25,
-    "grid.linewidth": 0.5,
-    "legend.frameon": False,
-    "legend.fontsize": 8,
-    "lines.linewidth": 1.3,
-    "svg.hashsalt": "gainsay",
-    "path.simplify": True,
-    "path.simplify_threshold": 0.1,
-}
-_DASHES = {"solid": "-", "dashed": (0, (5, 2)), "dotted": (0, (1, 1.5))}
-#: width of a figure across both columns of a page, inches
-WIDTH = 6.9
 
 
 @dataclass(frozen=True)
@@ -55,60 +35,105 @@ class FigureSpec:
     name: str
     runs: tuple[str, ...]
     draw: Callable[[Figure, Mapping[str, Log], Case], None]
-    height: float = 3.2
+    height: float = 3.0
 
 
-def panels(figure: Figure, titles: Sequence[str], *, columns: int = 1, share_time: bool = True) -> list[Axes]:
-    """Return one panel a title, each titled with its quantity and unit."""
-    rows = -(-len(titles) // columns)
+def panels(
+    figure: Figure, labels: Sequence[str], *, titles: Sequence[str] = (), columns: int = 1, share_time: bool = True
+) -> list[Axes]:
+    """Return one panel for each label.
+
+    Parameters
+    ----------
+    figure : Figure
+    labels : sequence of str
+        Quantity and unit of each ordinate, e.g. ``pitch angle [deg]``.
+    titles : sequence of str, optional
+        What tells the panels apart, where the ordinate does not.
+    columns : int
+    share_time : bool
+        Whether all panels have the same abscissa.
+    """
+    rows = -(-len(labels) // columns)
     axes = figure.subplots(rows, columns, sharex=share_time, squeeze=False).ravel()
+    for panel, label in zip(axes, labels, strict=False):
+        panel.set_ylabel(label)
     for panel, title in zip(axes, titles, strict=False):
         panel.set_title(title)
-    for unused in axes[len(titles) :]:
+    for unused in axes[len(labels) :]:
         unused.set_visible(False)
-    return list(axes[: len(titles)])
+    return list(axes[: len(labels)])
 
 
 def curve(panel: Axes, x: np.ndarray, y: np.ndarray, role_name: str, label: str | None = None) -> None:
     """Draw a curve in the colour and line style of its role."""
     style = role(role_name)
-    panel.plot(x, y, color=style.on_light, linestyle=_DASHES[style.dash], linewidth=1.3 * style.width, label=label)
+    panel.plot(x, y, color=style.on_light, linestyle=DASHES[style.dash], linewidth=1.2 * style.width, label=label)
 
 
 def curves(
     panel: Axes, log: Log, topic: str, fields: Sequence[str], *, labels: Sequence[str] = (), until: float | None = None,
-    suffix: str = "",
 ) -> None:  # fmt: skip
     """Draw fields of a topic over time, the first in the colour of axis 1, the second of axis 2, and so on."""
     signal = log[topic]
     shown = slice(None) if until is None else signal.time <= until
     for index, field in enumerate(fields):
         label = labels[index] if labels else field
-        curve(panel, signal.time[shown], signal.column(field)[shown], f"axis_{index + 1}{suffix}", label)
+        curve(panel, signal.time[shown], signal.column(field)[shown], f"axis_{index + 1}", label)
 
 
-def bound(panel: Axes, value: float, label: str | None = None) -> None:
-    """Draw a bound as a dashed line on both sides of zero."""
-    style = role("bound")
-    for sign, text in ((1, label), (-1, None)):
-        panel.axhline(sign * value, color=style.on_light, linestyle=_DASHES["dashed"], linewidth=0.8, label=text)
+def bound(
+    panel: Axes, value: float, name: str, *, role_name: str = "bound", both: bool = True, upright: bool = False
+) -> None:
+    """Draw a bound as a dashed line, named beside the panel where no curve is.
+
+    Parameters
+    ----------
+    panel : Axes
+    value : float
+    name : str
+        Short: what it is, and its value where the paper prints it.
+    role_name : str
+        Colour: that of the curve that it bounds, where there are several.
+    both : bool
+        Whether it holds on both sides of zero; a norm has no lower bound.
+    upright : bool
+        Whether `value` is of the abscissa: a printed time.
+    """
+    look = {"color": role(role_name).on_light, "linestyle": DASHES["dashed"], "linewidth": 0.8}
+    if upright:
+        panel.axvline(value, **look)
+        place, along = (value, 1.01), {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom"}
+        panel.annotate(name, place, fontsize=7, color=look["color"], **along)
+        return
+    for sign in (1, -1) if both else (1,):
+        panel.axhline(sign * value, **look)
+        panel.annotate(
+            name if sign > 0 else f"\N{MINUS SIGN}{name}", (1.01, sign * value), xycoords=("axes fraction", "data"),
+            ha="left", va="center", fontsize=7, color=look["color"],
+        )  # fmt: skip
 
 
-def finish(panel: Axes, *, x: str = "time [s]", legend: bool = True) -> None:
-    """Name the abscissa and add the legend."""
-    panel.set_xlabel(x)
-    if legend:
-        panel.legend(loc="best", ncols=2)
+def finish(figure: Figure, panels_of_it: Sequence[Axes], *, x: str = "time [s]") -> None:
+    """Name the abscissae of the lowest panels and put one legend above all of them, where it covers no curve."""
+    entries: dict[str, object] = {}
+    for panel in panels_of_it:
+        if panel.get_subplotspec().is_last_row() or not panel.get_shared_x_axes().get_siblings(panel)[1:]:
+            panel.set_xlabel(x)
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    if entries:
+        figure.legend(entries.values(), entries.keys(), loc="outside upper left", ncols=min(len(entries), 5))
 
 
 def save(spec: FigureSpec, logs: Mapping[str, Log], case: Case, folder: Path) -> None:
     """Draw a figure and write it as SVG and PNG, without any date."""
     folder.mkdir(parents=True, exist_ok=True)
-    with matplotlib.rc_context(_STYLE):
-        figure = Figure(figsize=(WIDTH, spec.height), layout="constrained")
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(width_of(case), spec.height), layout="constrained")
         FigureCanvasAgg(figure)
         spec.draw(figure, logs, case)
         for ending, metadata in (("svg", {"Date": None, "Creator": None}), ("png", {"Software": None})):
             temporary = folder / f".{spec.name}.{ending}"
-            figure.savefig(temporary, format=ending, dpi=200, metadata=metadata)
+            figure.savefig(temporary, format=ending, dpi=RESOLUTION, metadata=metadata)
             temporary.replace(folder / f"{spec.name}.{ending}")
