@@ -1,8 +1,11 @@
 """What the documentation tells a reader to type works, and its tables leave nothing out."""
 
+import csv
+import math
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +13,7 @@ from typing import get_args
 
 import pytest
 
-from gainsay.cli import _parser
+from gainsay.cli import _parser, main
 from gainsay.steps.reference import COMPARATORS, KINDS
 from gainsay.tables.models import Comparator, Kind
 
@@ -63,3 +66,22 @@ def test_the_guide_from_an_empty_folder(tmp_path):
         )  # fmt: skip
         assert done.returncode == 0, done.stdout + done.stderr
     assert (tmp_path / "papers/smith1999/recorded.csv").is_file()
+
+
+@pytest.mark.slow
+def test_the_tutorial_is_clean_in_a_project_of_its_own(tmp_path):
+    root = tmp_path / "own"
+    assert main(["new", "--project", str(root), "toy2001"]) == 0
+    shutil.rmtree(root / "papers/toy2001")
+    shutil.copytree(ROOT / "docs/examples/double_integrator", root / "papers/double_integrator")
+    done = subprocess.run(
+        [str(Path(sys.executable).parent / "snakemake"), "--cores", "2"], cwd=root, capture_output=True, text=True,
+        check=False, timeout=600,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    with (root / "results/double_integrator/quantities.csv").open(newline="") as file:
+        found = {row["quantity"]: float(row["value"]) for row in csv.DictReader(file)}
+    # closed forms, but for the digits of the printed gain: sqrt(2), root of the golden ratio, exp(-pi)
+    assert found["riccati.p11"] == pytest.approx(math.sqrt(2), rel=1e-12)
+    assert found["audit.peak"] == pytest.approx(math.sqrt((1 + math.sqrt(5)) / 2), abs=2e-4)
+    assert found["run.undershoot"] == pytest.approx(math.exp(-math.pi), abs=1e-4)

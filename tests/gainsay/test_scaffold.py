@@ -1,4 +1,5 @@
 import csv
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -75,3 +76,9 @@ def test_the_audit_of_the_example_finds_what_a_hand_finds(root, monkeypatch):
         rows = {row["quantity"]: row for row in csv.DictReader(file)}
     assert float(rows["audit.abscissa"]["lower"]) <= -0.4 <= float(rows["audit.abscissa"]["upper"])
     assert rows["audit.identity"]["value"] == "1.0"
+
+
+def test_the_tutorial_of_the_docs_is_well_formed(root):
+    shutil.copytree(ROOT / "docs/examples/double_integrator", root / "papers/double_integrator")
+    assert cli.main(["--root", str(root), "lint"]) == 0
+    assert not read_case(root, "double_integrator").paper.draft

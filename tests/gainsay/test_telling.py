@@ -85,7 +85,7 @@ def test_unknown_names_in_code_and_tables_too(root):
 def test_status_takes_a_line_a_paper(root, capsys):
     text = said(root, capsys, "status")
     assert text.count("\n") == 1
-    assert "8 claims: 6 reproduced, 1 uncheckable, 1 undetermined; views has not run" in text
+    assert "10 claims: 1 contradicted, 7 reproduced, 1 uncheckable, 1 undetermined; views has not run" in text
 
 
 def test_diff_names_what_differs_and_by_how_much(root, computed, capsys, monkeypatch):
@@ -105,7 +105,7 @@ def test_differences_for_machines_have_file_and_line(root, capsys):
     path.write_text(path.read_text().replace("undetermined", "reproduced"))
     text = said(root, capsys, "check", "--junit", str(root / "check.xml"), "--annotations", code=1)
     line = next(line for line in text.splitlines() if "verdict torque" in line and line.startswith("::error"))
-    assert line.startswith("::error file=papers/toy2001/claims.csv,line=8,title=toy2001 verdict torque::")
+    assert line.startswith("::error file=papers/toy2001/claims.csv,line=9,title=toy2001 verdict torque::")
     suite = ElementTree.parse(root / "check.xml").getroot()[0]
     failed = {test.get("name") for test in suite if len(test)}
     assert "torque" in failed

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
-from textwrap import wrap
+from textwrap import indent, wrap
 from types import ModuleType
 from typing import get_args
 
@@ -80,6 +80,9 @@ LIBRARY = {
                                             "Text")),
     "Figures": ("gainsay.figures", ("FigureSpec", "panels", "curves", "curve", "bound", "finish")),
 }  # fmt: skip
+
+#: classes whose methods are documented in full
+IN_FULL = ("Results", "LogWriter", "Response", "Case")
 
 
 def _escaped(text: str) -> str:
@@ -156,12 +159,14 @@ def _entry(name: str, value: Callable) -> Iterator[str]:
         for method, function in vars(value).items():
             if not method.startswith("_") and inspect.isfunction(function) and function.__doc__:
                 yield from ("", *wrap(f".{method}{_signature(function)}", 116, subsequent_indent="    "),
-                            f"    {_first_line(function)}")  # fmt: skip
+                            *indent(_said(value, function), "    ").splitlines())  # fmt: skip
     yield from ("```", "")
 
 
-def _first_line(value: object) -> str:
-    return inspect.cleandoc(value.__doc__ or "").partition("\n")[0]
+def _said(owner: type, method: Callable) -> str:
+    """Docstring of a method: in full where the modules of a paper call it by its arguments, else its first line."""
+    text = inspect.cleandoc(method.__doc__ or "")
+    return text if owner.__name__ in IN_FULL else text.partition("\n")[0]
 
 
 def _library() -> str:

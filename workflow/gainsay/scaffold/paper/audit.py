@@ -48,19 +48,32 @@ def torque_gain(case: Case, results: Results) -> None:
 
 
 @task("(4)")
-def identity(case: Case, results: Results) -> None:
-    """Completing the square, for all numbers at once."""
-    certificate = build.certificate(
-        "identity",
-        id="square",
+def square(case: Case, results: Results) -> None:
+    """Completing the square: for all numbers at once with the sign corrected; refuted at one point as printed."""
+    left, unknowns = "x**2 + 2 * x * y", {name: {"shape": [1, 1], "structure": "full"} for name in ("x", "y")}
+    printed = build.certificate(
+        "different",
+        id="square-printed",
         paper=case.name,
-        statement="Completing the square in (4) is right.",
+        statement="(4) as printed does not complete the square.",
         tables=case,
-        unknowns={name: {"shape": [1, 1], "structure": "full"} for name in ("x", "y")},
-        fields={"left": "x**2 + 2 * x * y", "right": "(x + y)**2 - y**2"},
+        unknowns=unknowns,
+        fields={"left": left, "right": "(x + y)**2 + y**2"},
+        witness={"x": [["1"]], "y": [["1"]]},
+        quantities={"identity": "audit.identity_printed"},
+    )
+    corrected = build.certificate(
+        "identity",
+        id="square-corrected",
+        paper=case.name,
+        statement="(4) with the sign corrected completes the square.",
+        tables=case,
+        unknowns=unknowns,
+        fields={"left": left, "right": "(x + y)**2 - y**2"},
         quantities={"identity": "audit.identity"},
     )
-    results.prove(certificate, source="(4)")
+    results.prove(printed, source="(4)")
+    results.prove(corrected, source="(4)")
 
 
 @task("Section 4")
@@ -73,4 +86,4 @@ def over_missing_inputs(case: Case, results: Results) -> None:
         )
 
 
-TASKS = (poles, torque_gain, identity, over_missing_inputs)
+TASKS = (poles, torque_gain, square, over_missing_inputs)

@@ -22,5 +22,6 @@ def numbers(case: Case, rate0: float, steps: int = 300) -> dict[str, float]:
     angle, torque = np.array([1.0, 0.0]), -case.matrix("K")[0]
     return {
         "run.settling": found.last_above(angle, SETTLED),
+        "run.final_angle": abs(float(found.states[-1, 0])),
         "run.torque": abs(found.peak(torque).value),
     }

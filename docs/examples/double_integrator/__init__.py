@@ -1,0 +1,1 @@
+"""The linear-quadratic regulator of the double integrator, where every number has a closed form."""
