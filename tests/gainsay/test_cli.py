@@ -1,3 +1,4 @@
+import re
 import shutil
 import subprocess
 import sys
@@ -5,6 +6,7 @@ import sys
 import pytest
 
 from gainsay import cli
+from gainsay.cli import LONGEST, MOST_LINES
 from gainsay.steps.command import step_command
 from gainsay.steps.modules import paper_module
 from gainsay.tables import read_case
@@ -70,6 +72,24 @@ def test_check_names_every_difference_and_exits_with_1(project, capsys):
     assert "toy  verdict length: expected reproduced, found failed" in said
     assert "toy  file logs/nominal.mcap: expected present, found missing" in said
     assert not (project.root / "results" / "differences.csv").exists()  # the last word writes nothing
+
+
+def test_check_in_brief_names_a_few_and_counts_the_rest(project, capsys):
+    case = project.case()
+    from gainsay.steps.verdicts import verdicts
+
+    for step in ("synthesis", "audit", "simulation"):
+        Results(case, step).close()
+    verdicts(case)
+    capsys.readouterr()
+    assert command(project, "check") == command(project, "check", "--brief") == 1
+    lines = capsys.readouterr().out.splitlines()
+    whole = next(i for i, line in enumerate(lines) if line.endswith("`make record` accepts")) + 1
+    brief = lines[whole:]
+    named = [line for line in brief if ": expected " in line]
+    assert len(named) == MOST_LINES < whole
+    assert re.fullmatch(r"and \d+ more, which `gainsay check` names", brief[brief.index(named[-1]) + 1])
+    assert all(len(line) <= LONGEST for line in named)
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -1,10 +1,13 @@
 import csv
+import dataclasses
+import json
 import re
 import runpy
 import shutil
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote
+from xml.etree import ElementTree as Tree
 
 import pytest
 
@@ -13,7 +16,10 @@ from gainsay.report import read_results, render_paper
 from gainsay.report.claims import verdicts_of
 from gainsay.report.designs import comparison, design_matrices
 from gainsay.report.page import FOLDER
+from gainsay.report.pictures import data_uri
+from gainsay.report.provenance import provenance_of
 from gainsay.report.published import published_view
+from gainsay.report.wording import condition
 from gainsay.steps.report import main
 from gainsay.tables import read_case
 from gainsay.tables.models import VERDICTS
@@ -192,9 +198,21 @@ def test_counts_are_those_of_the_table(root):
     (found,) = read(root, ["toy2001"])
     verdicts = verdicts_of(found)
     judged = [row[2] for row in EXAMPLE["JUDGED"].values()]
-    assert dict(verdicts.counts) == {verdict: judged.count(verdict) for verdict in VERDICTS}
+    assert dict(verdicts.counts) == {verdict: judged.count(verdict) for verdict in VERDICTS if verdict in judged}
     assert [claim for _, group in verdicts.grouped() for claim in group] != list(verdicts.claims)
     assert [verdict for verdict, _ in verdicts.grouped()][:2] == ["failed", "contradicted"]
+
+
+def test_claims_of_one_sentence_count_once_and_as_the_worst(root):
+    (found,) = read(root, ["toy2001"])
+    before = verdicts_of(found).counts
+    together = {"peak-x", "eq14"}  # reproduced and contradicted
+    claims = {
+        name: claim.model_copy(update={"sentence": "one"}) if name in together else claim
+        for name, claim in found.case.claims.items()
+    }
+    found.case = dataclasses.replace(found.case, claims=claims)
+    assert verdicts_of(found).counts == {**before, "reproduced": before["reproduced"] - 1}
 
 
 def test_published_numbers_stand_with_their_verdicts(root):
@@ -298,3 +316,48 @@ def test_contrast_of_text(scheme):
         for name in set(colours) - {"paper", "raised", "line"}:
             light, dark = sorted((luminance(colours[name]), luminance(colours[ground])), reverse=True)
             assert (light + 0.05) / (dark + 0.05) >= 4.5, (name, ground)
+
+
+@pytest.mark.parametrize(
+    "text", ['<svg width="1"><text>50% #1</text></svg>', "<svg id='a'><text>\"it's\"</text></svg>"]
+)
+def test_a_picture_inside_a_page_is_the_same_picture(tmp_path, text):
+    path = tmp_path / "figure.svg"
+    path.write_text(f'<?xml version="1.0"?>\n<!-- made by -->\n{text}\n', encoding="utf-8")
+    kind, _, inside = data_uri(path).partition(",")
+    assert kind == "data:image/svg+xml"
+    assert not set(inside) & set('"#')  # what would end an attribute or an address
+    assert Tree.tostring(Tree.fromstring(unquote(inside))) == Tree.tostring(Tree.fromstring(text))
+
+
+def test_a_large_drawing_gives_way_to_its_smaller_picture(tmp_path):
+    drawing, picture = tmp_path / "figure.svg", tmp_path / "figure.png"
+    drawing.write_text("<svg>" + "<path/>" * 40_000 + "</svg>", encoding="utf-8")
+    picture.write_bytes(b"\x89PNG" + bytes(1000))
+    assert data_uri(drawing).startswith("data:image/svg+xml,")
+    assert data_uri(drawing, picture).startswith("data:image/png;base64,")
+
+
+def test_what_is_not_the_same_everywhere_stands_beside_the_pages(root):
+    assert main([*PAPERS, "--root", str(root)]) == 0
+    results = root / "results"
+    told = json.loads((results / "provenance.json").read_text(encoding="utf-8"))
+    assert {"commit", "finished", "system", "processor", "kernels"} <= set(told)
+    listed = (results / "report.files.csv").read_text(encoding="utf-8")
+    assert "index.html" in listed and "provenance.json" not in listed
+    page = (results / "index.html").read_text(encoding="utf-8")
+    assert told["finished"][:10] not in page and told["system"] not in page
+
+
+def test_digests_of_provenance_follow_the_tables(root):
+    def tables() -> str:
+        return dict(provenance_of(read(root, ["toy2001"])[0]).digests)["tables of toy2001"]
+
+    before = tables()
+    path = root / "papers" / "toy2001" / "not_checked.csv"
+    path.write_text(path.read_text(encoding="utf-8") + "Figure 9,a sketch,no numbers\n", encoding="utf-8")
+    assert tables() != before
+
+
+def test_conditions_read_as_words():
+    assert condition("observer_start=exact; gravity=3.9e14") == "observer start = exact, gravity = 3.9e14"

@@ -12,6 +12,7 @@ from gainsay.report.numbers import enclosure, number, span
 from gainsay.report.reading import PaperResults, Row
 from gainsay.report.wording import condition, found_value, input_value, is_truth, published_value, reason, turning_point
 from gainsay.tables.models import VERDICTS, Claim
+from gainsay.tables.sentences import sentences, worst
 from gainsay.tables.units import to_si
 from gainsay.verdicts.outcome import Outcome
 
@@ -19,6 +20,8 @@ from gainsay.verdicts.outcome import Outcome
 ORDER = ("failed", "contradicted", "undetermined", "undecided", "reproduced", "uncheckable")
 #: what a reader is told first
 AGAINST = ("failed", "contradicted", "undetermined", "undecided")
+#: verdicts whose number is told even where it is none
+ALWAYS = ("contradicted", "reproduced")
 #: a claim without a verdict yet
 NONE_YET = "none yet"
 #: weights of a contradiction, the weightiest first; a claim without one stands last
@@ -135,10 +138,15 @@ class ClaimView:
 
 @dataclass(frozen=True)
 class Verdicts:
-    """All claims of a paper with their counts."""
+    """All claims of a paper, and the number of its sentences by verdict."""
 
     claims: tuple[ClaimView, ...]
     counts: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def spoken(self) -> int:
+        """How many sentences of the paper the claims speak of."""
+        return sum(self.counts.values())
 
     def grouped(self) -> list[tuple[str, list[ClaimView]]]:
         """Claims by verdict, those that do not hold first, the weightiest first, else in the order of the paper."""
@@ -245,8 +253,15 @@ def _claim_view(found: PaperResults, claim: Claim) -> ClaimView:
     )
 
 
+def _of_sentence(verdicts: list[str]) -> str:
+    """Return the verdict on a sentence that several claims may speak of."""
+    return NONE_YET if NONE_YET in verdicts else worst(verdicts)
+
+
 def verdicts_of(found: PaperResults) -> Verdicts:
-    """Return all claims of a paper in the order of its table, with the count of every verdict."""
-    claims = tuple(_claim_view(found, claim) for claim in found.case.claims.values())
-    counted = Counter(claim.verdict for claim in claims)
-    return Verdicts(claims, {v: counted[v] for v in (*ORDER, NONE_YET) if v in VERDICTS or counted[v]})
+    """Return all claims of a paper in the order of its table, and how many sentences have which verdict."""
+    claims = {claim.id: _claim_view(found, claim) for claim in found.case.claims.values()}
+    spoken = sentences(found.case.claims.values())
+    counted = Counter(_of_sentence([claims[claim.id].verdict for claim in together]) for together in spoken)
+    counts = {v: counted[v] for v in (*ORDER, NONE_YET) if counted[v] or v in ALWAYS}
+    return Verdicts(tuple(claims.values()), counts)

@@ -173,11 +173,13 @@ def _environment() -> jinja2.Environment:
 def render_index(root: Path, papers: Sequence[PaperResults]) -> str:
     """Return the page over all papers, which stands in `results/`: what was found, a screen a paper."""
     differences = [tuple(row.values()) for found in papers for row in found.differences]
+    pages = [paper_page(found) for found in papers]
     return (
         _environment()
         .get_template("index.html.j2")
         .render(
-            papers=[paper_page(found) for found in papers],
+            papers=pages,
+            used=[verdict for verdict in ORDER if any(page.verdicts.counts.get(verdict) is not None for page in pages)],
             outcomes=counts_of([row for found in papers for row in found.published]),
             differences=differences,
             record=record_sentence(differences),
