@@ -12,7 +12,7 @@ from gainsay.logs import Log
 from gainsay.logs.palette import role
 from gainsay.systems.norms import hinf_norm
 from gainsay.tables import Case
-from gainsay.tables.results import read_part
+from gainsay.tables.returned import read_part
 from papers.li2021 import plant
 
 ANGLES = ("roll", "pitch", "yaw")

@@ -6,10 +6,9 @@ from pathlib import Path
 
 from gainsay.report import write_index, write_paper
 from gainsay.tables.models import TABLES, columns
-from gainsay.tables.results import FAILURE_COLUMNS, GAIN_COLUMNS, QUANTITY_COLUMNS
+from gainsay.tables.returned import FAILURE_COLUMNS, GAIN_COLUMNS, QUANTITY_COLUMNS, VERDICT_COLUMNS
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.published import PUBLISHED_COLUMNS
-from gainsay.verdicts.table import VERDICT_COLUMNS
 
 #: what a hostile table would try; must reach the page as text
 HOSTILE = "<script>alert(1)</script> & \"quotes\" 'too'"

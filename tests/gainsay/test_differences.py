@@ -6,6 +6,7 @@ from gainsay.steps.compare import compare
 from gainsay.steps.verdicts import verdicts
 from gainsay.tables.designs import FoundDesign, write_design
 from gainsay.tables.files import read_records, write_atomically, write_csv, write_json
+from gainsay.tables.listing import LISTING_COLUMNS
 from gainsay.tables.models import Recorded
 from gainsay.tables.results import Results
 from gainsay.verdicts.differences import differences, scan_differences
@@ -127,9 +128,7 @@ def test_an_erratum_without_its_witness_is_a_difference(clean):
 def test_what_is_not_a_certificate_is_refused_and_is_a_difference(clean):
     case = run(clean)
     write_atomically(case.results / "certificates" / "bad.json", '{"format": "gainsay certificate"}')
-    write_csv(
-        case.results / "parts" / "synthesis.files.csv", ("file", "sha256", "of"), [("certificates/bad.json", "", "")]
-    )
+    write_csv(case.results / "parts" / "synthesis.files.csv", LISTING_COLUMNS, [("certificates/bad.json", "", "", "")])
     verdicts(case)
     assert items(clean) == {("certificate", "bad")}
 
@@ -213,11 +212,16 @@ def put_scan(case, *values, crossing=()):
     """A scan of the length, which the paper prints as 1.50 m, over a guess from 0 to 1."""
     points = [[i / len(values)] for i in range(len(values))]
     crossings = [{"values": [1.5, 1.6], "points": [[x] for x in crossing]}] if crossing else []
-    content = {"quantity": "audit.length", "seed": 0, "inputs": [INPUT], "values": values, "points": points}
-    write_json(case.results / "scans" / "audit.length.json", {**content, "crossings": crossings})
-    write_csv(
-        case.results / "parts" / "audit.files.csv", ("file", "sha256", "of"), [("scans/audit.length.json", "", "")]
-    )
+    content = {
+        "quantity": "audit.length",
+        "seed": 0,
+        "sequence": "by hand",
+        "inputs": [INPUT],
+        "values": values,
+        "points": points,
+    }
+    write_json(case.results / "scans" / "audit.length.json", {**content, "points": points, "crossings": crossings})
+    write_csv(case.results / "parts" / "audit.files.csv", LISTING_COLUMNS, [("scans/audit.length.json", "", "", "")])
 
 
 @pytest.mark.parametrize("change", [

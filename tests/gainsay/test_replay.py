@@ -15,7 +15,7 @@ from gainsay.logs import LogWriter, Measured, RunSpec, read_log
 from gainsay.steps.replay import replay
 from gainsay.steps.simulation import provenance, simulation
 from gainsay.tables.files import write_csv
-from gainsay.tables.results import QUANTITY_COLUMNS, read_part
+from gainsay.tables.returned import QUANTITY_COLUMNS, read_part
 
 TIME = np.linspace(0.0, 5.0, 101)
 
@@ -143,7 +143,7 @@ from gainsay.logs import LogWriter, Measured, RunSpec, read_log
 from gainsay.steps import replay, simulation
 from gainsay.tables import read_case
 from gainsay.tables.files import write_csv
-from gainsay.tables.results import QUANTITY_COLUMNS, read_part
+from gainsay.tables.returned import QUANTITY_COLUMNS, read_part
 
 root, samples = Path(sys.argv[1]), int(sys.argv[2])
 

@@ -10,7 +10,8 @@ import pytest
 from gainsay.errors import CertificateError, ComputationError, InputError, LogError
 from gainsay.tables.contract import CONTRACT
 from gainsay.tables.listing import damage
-from gainsay.tables.results import Results, read_part, run_tasks, task
+from gainsay.tables.results import Results, run_tasks, task
+from gainsay.tables.returned import read_part
 
 
 class Paper:

@@ -12,7 +12,7 @@ from gainsay.steps import holding
 from gainsay.steps.resume import AFTER, forget_damaged
 from gainsay.tables.files import write_csv
 from gainsay.tables.listing import damage, write_listing
-from gainsay.tables.results import FAILURE_COLUMNS
+from gainsay.tables.returned import FAILURE_COLUMNS
 
 STEPS = tuple(AFTER)
 

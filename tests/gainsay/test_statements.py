@@ -27,7 +27,8 @@ from gainsay.statements import (
     statement,
     symmetric,
 )
-from gainsay.tables.results import Results, read_part
+from gainsay.tables.results import Results
+from gainsay.tables.returned import read_part
 
 TABLES = MappingTables(
     numbers={"mass": "2.5", "third": "1/3"},

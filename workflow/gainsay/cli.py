@@ -10,7 +10,7 @@ from pathlib import Path
 from gainsay import __version__
 from gainsay.errors import ComputationError, GainsayError, InputError
 from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, refuse
-from gainsay.tables import find_root, paper_names, read_case
+from gainsay.tables import Case, find_root, paper_names, read_case
 
 #: differences that `check --brief` names at most, so that `make` stays on a screen or two; characters of a line
 MOST_LINES, LONGEST = 10, 160
@@ -36,19 +36,29 @@ def lint(options: argparse.Namespace) -> int:
     return CLEAN
 
 
+def _published(case: Case) -> list[dict[str, str]]:
+    """Published numbers of a paper; none where its results are damaged, which is a difference already."""
+    from gainsay.verdicts.published import published_rows
+
+    try:
+        return published_rows(case)
+    except InputError:
+        return []
+
+
 def check(options: argparse.Namespace) -> int:
     """Say whether files, certificates, numbers and verdicts are as on record; writes nothing."""
     from gainsay.steps.check import check as differing
     from gainsay.steps.check import shared_differences
     from gainsay.steps.machine_readable import annotations, write_junit
-    from gainsay.verdicts.published import published_rows, record_line, summary
+    from gainsay.verdicts.published import record_line, summary
 
     cases = [read_case(options.root, paper) for paper in _papers(options.root, options.papers)]
     found = differing(cases)
     rest = [paper for paper in paper_names(options.root) if paper not in {case.name for case in cases}]
     if not rest:
         found += shared_differences(options.root)
-    for line in summary(row for case in cases for row in published_rows(case)):
+    for line in summary(row for case in cases for row in _published(case)):
         print(line)
     shown = found[:MOST_LINES] if options.brief else found
     for paper, what, item, expected, value, _ in shown:
@@ -115,7 +125,7 @@ def record(options: argparse.Namespace) -> int:
     for paper in _papers(options.root, options.papers):
         try:
             lines = list(record_paper(read_case(options.root, paper)))
-        except ComputationError as error:
+        except (ComputationError, InputError) as error:  # the other papers are put on record all the same
             lines, refused = [str(error)], True
         for line in lines:
             print(f"{paper}  {line}")

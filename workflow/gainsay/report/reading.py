@@ -1,6 +1,7 @@
 """What the steps left of a paper, read for the page: what is missing is said, never an error."""
 
-import json
+import math
+import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -9,16 +10,15 @@ from pathlib import Path
 from gainsay.errors import InputError
 from gainsay.report.certificates import CertificateFile, read_certificate
 from gainsay.tables import Case
-from gainsay.tables.files import read_csv, read_text, shown
-from gainsay.tables.results import FAILURE_COLUMNS, GAIN_COLUMNS, QUANTITY_COLUMNS
+from gainsay.tables.files import read_json, shown
+from gainsay.tables.returned import read_returned
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 from gainsay.verdicts.published import PUBLISHED_COLUMNS
-from gainsay.verdicts.table import VERDICT_COLUMNS
 
-CERTIFICATE_COLUMNS = ("certificate", "accepted", "says")
-_SIZE = re.compile(r'<svg\b[^>]*?\bwidth="([\d.]+)[a-z]*"[^>]*?\bheight="([\d.]+)[a-z]*"', re.DOTALL)
-_SIZE_REVERSED = re.compile(r'<svg\b[^>]*?\bheight="([\d.]+)[a-z]*"[^>]*?\bwidth="([\d.]+)[a-z]*"', re.DOTALL)
+_LENGTH = r'="(\d+(?:\.\d+)?)[a-z]*"'
+_SIZE = re.compile(rf"<svg\b[^>]*?\bwidth{_LENGTH}[^>]*?\bheight{_LENGTH}", re.DOTALL)
+_SIZE_REVERSED = re.compile(rf"<svg\b[^>]*?\bheight{_LENGTH}[^>]*?\bwidth{_LENGTH}", re.DOTALL)
 
 Row = Mapping[str, str]
 
@@ -97,20 +97,19 @@ class PaperResults:
     def existing(self, file: str) -> str:
         """Return a path below the paper's results where such a file exists, else nothing."""
         inside = bool(file) and ".." not in Path(file).parts and not Path(file).is_absolute()
-        return file if inside and (self.case.results / file).is_file() else ""
+        return file if inside and os.path.isfile(self.case.results / file) else ""  # noqa: PTH113  # has an answer for every name
 
 
-def _table(found: PaperResults, name: str, columns: Sequence[str], lost: str) -> list[Row]:
+def _table(found: PaperResults, name: str, lost: str, columns: Sequence[str] = ()) -> list[Row]:
     path = found.case.results / f"{name}.csv"
-    if not path.is_file():
+    if not os.path.lexists(path):
         found.missing.append(f"{name}.csv is missing: {lost}")
         return []
-    header, rows = read_csv(path, found.case.root)
-    if tuple(header) != tuple(columns):
-        raise InputError(
-            "header", file=shown(path, found.case.root), row=1, value=",".join(header), expected=",".join(columns)
-        )
-    return [dict(zip(columns, cells, strict=True)) for _, cells in rows]
+    try:
+        return read_returned(path, found.case.root, columns)
+    except InputError as error:
+        found.missing.append(f"{name}.csv is damaged, {lost}: {error}")
+        return []
 
 
 def _size(path: Path) -> tuple[int, int]:
@@ -145,8 +144,36 @@ def _designs(found: PaperResults) -> None:
         if not file:
             found.designs.append(DesignFile(name, about))
             continue
-        content = json.loads(read_text(found.case.results / file, found.case.root))
-        found.designs.append(DesignFile(name, about, content["note"], content["matrices"]))
+        try:
+            note, matrices = _design(found.case.results / file, found.case.root)
+        except InputError as error:
+            found.missing.append(f"the design {name} is damaged: {error}")
+            note, matrices = "", None
+        found.designs.append(DesignFile(name, about, note, matrices))
+
+
+def _design(path: Path, root: Path) -> tuple[str, dict[str, list[list[float]]]]:
+    content = read_json(path, root)
+    try:
+        matrices = {name: [[float(x) for x in row] for row in rows] for name, rows in content["matrices"].items()}
+        whole = all(rows and {len(row) for row in rows} == {len(rows[0])} for rows in matrices.values())
+        if not whole or not all(math.isfinite(x) for rows in matrices.values() for row in rows for x in row):
+            raise ValueError("matrices of finite numbers are no such")
+        return str(content["note"]), matrices
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError):
+        raise InputError(
+            "no design", file=shown(path, root), expected="a note and matrices of finite numbers"
+        ) from None
+
+
+def _scans(found: PaperResults) -> None:
+    scans = {}
+    for path in sorted((found.case.results / "scans").glob("*.json")):
+        try:
+            scans |= read_scans([path], found.case.root)
+        except InputError as error:
+            found.missing.append(f"scans/{path.name} is damaged: {error}")
+    found.scans = outcomes(found.case, scans)
 
 
 def read_results(
@@ -162,22 +189,22 @@ def read_results(
     code : sequence of str, optional
         Source files behind the results.
 
-    Raises
-    ------
-    InputError
-        If a results table is malformed.
+    Returns
+    -------
+    PaperResults
+        Whatever can be read; a file that is damaged costs what it held and nothing else.
     """
     found = PaperResults(case, code=tuple(code))
-    found.verdicts = {row["claim"]: row for row in _table(found, "verdicts", VERDICT_COLUMNS, "no claim is judged yet")}
-    rows = _table(found, "quantities", QUANTITY_COLUMNS, "no number is computed yet")
+    found.verdicts = {row["claim"]: row for row in _table(found, "verdicts", "no claim is judged yet")}
+    rows = _table(found, "quantities", "no number is computed yet")
     found.quantities = {row["quantity"]: row for row in rows}
-    found.gains = _table(found, "gains", GAIN_COLUMNS, "the gains are not compared yet")
-    found.failures = _table(found, "failures", FAILURE_COLUMNS, "whether a computation broke is not known")
-    rows = _table(found, "certificates", CERTIFICATE_COLUMNS, "no certificate is checked yet")
+    found.gains = _table(found, "gains", "the gains are not compared yet")
+    found.failures = _table(found, "failures", "whether a computation broke is not known")
+    rows = _table(found, "certificates", "no certificate is checked yet")
     found.certificates = {row["certificate"]: read_certificate(case, row) for row in rows}
-    found.published = _table(found, "published", PUBLISHED_COLUMNS, "published numbers are not compared yet")
-    found.differences = _table(found, "differences", DIFFERENCE_COLUMNS, "nothing is held against the record yet")
-    found.scans = outcomes(case, read_scans((case.results / "scans").glob("*.json"), case.root))
+    found.published = _table(found, "published", "published numbers are not compared yet", PUBLISHED_COLUMNS)
+    found.differences = _table(found, "differences", "nothing is held against the record yet", DIFFERENCE_COLUMNS)
+    _scans(found)
     _pictures(found, figure_runs)
     _designs(found)
     return found

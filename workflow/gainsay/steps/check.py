@@ -3,9 +3,10 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from gainsay.errors import InputError
 from gainsay.tables import Case
 from gainsay.tables.listing import damage
-from gainsay.tables.results import STEPS
+from gainsay.tables.returned import STEPS
 from gainsay.verdicts.differences import Difference, differences
 from gainsay.verdicts.evidence import read_evidence
 
@@ -42,10 +43,18 @@ def check(cases: Sequence[Case]) -> list[Difference]:
     Raises
     ------
     InputError
-        If a results table is missing or malformed.
+        If nothing of a paper was computed. A results table that is missing or malformed is a difference of its paper.
     """
     found: list[Difference] = []
     for case in cases:
-        own = [*file_differences(case), *certificate_differences(case), *differences(case)]
-        found += dict.fromkeys(own)
+        own: dict[Difference, None] = {}
+        for part in (file_differences, certificate_differences, differences):
+            try:
+                own |= dict.fromkeys(part(case))
+            except InputError as error:
+                if not (case.results / "parts").is_dir():  # nothing was computed: there is nothing to check
+                    raise
+                file = str(error.file).removeprefix(f"results/{case.name}/")
+                own[case.name, "file", file, "as the step left it", "damaged", str(error)] = None
+        found += own
     return found

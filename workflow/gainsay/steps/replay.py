@@ -10,8 +10,9 @@ from gainsay.steps.modules import paper_module
 from gainsay.steps.simulation import provenance
 from gainsay.tables import Case, paper_names, read_case
 from gainsay.tables.contract import CONTRACT
-from gainsay.tables.files import cell, read_bytes, read_records
+from gainsay.tables.files import cell, read_bytes
 from gainsay.tables.listing import sha256
+from gainsay.tables.returned import read_returned
 
 
 def spec_of(case: Case, log: Log, path: Path) -> RunSpec:
@@ -49,8 +50,8 @@ def sample_differences(case: Case, run: RunSpec, log: Log) -> Iterator[str]:
     change no quantity.
     """
     file = f"logs/{run.name}.mcap"
-    listed = read_records(case.results / "parts" / "simulation.files.csv", case.root)
-    digests = [row.get("sha256") for row in listed if row.get("file") == file]
+    listed = read_returned(case.results / "parts" / "simulation.files.csv", case.root)
+    digests = [row["sha256"] for row in listed if row["file"] == file]
     if digests == [sha256(log.path)]:
         return
     if not digests or not (case.results / file).is_file() or sha256(case.results / file) not in digests:
@@ -93,11 +94,11 @@ def measured(case: Case, run: RunSpec, log: Log) -> Mapping[str, Measured]:
 
 def quantity_differences(case: Case, run: RunSpec, log: Log) -> Iterator[str]:
     """Measure a run from its log and yield a line for every quantity that is not on file to the last bit."""
-    on_file = {row["quantity"]: row for row in read_records(case.results / "quantities.csv", case.root)}
+    on_file = {row["quantity"]: row for row in read_returned(case.results / "quantities.csv", case.root)}
     for quantity, found in measured(case, run, log).items():
         row = on_file.get(quantity)
         for column, value in (("value", found.value), ("lower", found.lower), ("upper", found.upper)):
-            text = "nothing" if row is None else row.get(column, "nothing")
+            text = "nothing" if row is None else row[column]
             if text != cell(value):
                 yield f"{quantity}: {column} {cell(value)} from the log, {text} on file"
 

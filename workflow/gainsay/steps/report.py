@@ -12,11 +12,11 @@ from gainsay.steps.holding import hold_as_step
 from gainsay.steps.page import results_of
 from gainsay.tables import find_root, read_case
 from gainsay.tables.contract import README
-from gainsay.tables.files import read_records, write_atomically, write_csv
+from gainsay.tables.files import write_atomically, write_csv
 from gainsay.tables.listing import write_listing
+from gainsay.tables.returned import VERDICT_COLUMNS, read_returned
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.published import PUBLISHED_COLUMNS
-from gainsay.verdicts.table import VERDICT_COLUMNS
 
 #: joined over the papers: table -> columns, the paper's name first
 JOINED = {
@@ -26,9 +26,13 @@ JOINED = {
 }
 
 
-def _rows(path: Path, root: Path) -> list[dict[str, str]]:
-    """Rows of a paper's table; none where the step that writes it did not come so far."""
-    return read_records(path, root) if path.exists() else []
+def _rows(found: PaperResults, table: str, columns: Sequence[str]) -> list[dict[str, str]]:
+    """Rows of a paper's table; none where it is missing or damaged, which the page says."""
+    own = [column for column in columns if table != "verdicts" or column != "paper"]
+    try:
+        return read_returned(found.case.results / f"{table}.csv", found.case.root, own)
+    except InputError:
+        return []
 
 
 def write_report(root: Path, papers: Sequence[PaperResults]) -> None:
@@ -37,7 +41,7 @@ def write_report(root: Path, papers: Sequence[PaperResults]) -> None:
         rows = [
             [found.case.name if column == "paper" else row[column] for column in columns]
             for found in papers
-            for row in _rows(found.case.results / f"{table}.csv", root)
+            for row in _rows(found, table, columns)
         ]
         write_csv(root / "results" / f"{table}.csv", columns, rows)
     write_index(root, papers)
@@ -61,6 +65,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         write_report(root, papers)
     except InputError as error:
         return refuse(error)
+    for found in papers:
+        for lost in found.missing:
+            print(f"{found.case.name}  report      {lost}")
     claims = sum(len(found.verdicts) for found in papers)
     print(f"report      {claims} verdicts of {len(papers)} papers, see results/index.html")
     return CLEAN

@@ -7,8 +7,8 @@ from gainsay.steps.command import step_command
 from gainsay.tables import Case
 from gainsay.tables.files import write_csv
 from gainsay.tables.listing import write_listing
-from gainsay.tables.results import PARTS, read_part
-from gainsay.verdicts.table import VERDICT_COLUMNS, verdict_rows
+from gainsay.tables.returned import CERTIFICATE_COLUMNS, PARTS, VERDICT_COLUMNS, read_part
+from gainsay.verdicts.table import verdict_rows
 
 #: what the step writes below the paper's results
 TABLES = (*PARTS, "certificates", "verdicts")
@@ -20,7 +20,7 @@ def verdicts(case: Case) -> None:
         rows = [[row[column] for column in columns] for row in read_part(case, part)]
         write_csv(case.results / f"{part}.csv", columns, rows)
     rows, evidence = verdict_rows(case)
-    write_csv(case.results / "certificates.csv", ("certificate", "accepted", "says"), [
+    write_csv(case.results / "certificates.csv", CERTIFICATE_COLUMNS, [
         *((name, True, sentence) for name, sentence in evidence.certificates.items()),
         *((name, False, reason) for name, reason in evidence.refused.items()),
     ])  # fmt: skip

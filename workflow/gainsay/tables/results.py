@@ -5,7 +5,7 @@ import os
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -14,28 +14,10 @@ import numpy as np
 
 from gainsay.errors import ComputationError, GainsayError, InputError, one_of
 from gainsay.tables.case import Case
-from gainsay.tables.files import read_csv, remove_abandoned, write_atomically, write_csv, write_json
+from gainsay.tables.files import remove_abandoned, write_atomically, write_csv, write_json
 from gainsay.tables.listing import derived_listing, write_listing
 from gainsay.tables.reading import PrintedMatrix
-
-QUANTITY_COLUMNS = ("quantity", "value", "unit", "lower", "upper", "method", "source")
-GAIN_COLUMNS = (
-    "gain", "row", "column", "published", "rounding_low", "rounding_high", "resynthesised", "identified",
-    "range_low", "range_high",
-)  # fmt: skip
-POLE_COLUMNS = ("set", "pole", "part", "published", "rounding_low", "rounding_high", "recomputed", "radius")
-FAILURE_COLUMNS = ("step", "where", "task", "message")
-#: the tables of a step's results that are joined over all steps of a paper
-PARTS = {
-    "quantities": QUANTITY_COLUMNS,
-    "gains": GAIN_COLUMNS,
-    "poles": POLE_COLUMNS,
-    "failures": FAILURE_COLUMNS,
-}
-#: what the method of a quantity begins with of which neither side could be proved; its value is nan
-UNDECIDED = "undecided:"
-#: steps that keep records, in the order of the workflow
-STEPS = ("synthesis", "audit", "simulation", "figures", "views")
+from gainsay.tables.returned import PARTS, UNDECIDED, read_returned
 
 #: whether every line of a step's log is printed too (GAINSAY_VERBOSE=1), as one wants it who works on a paper
 VERBOSE = os.environ.get("GAINSAY_VERBOSE", "") not in ("", "0")
@@ -113,10 +95,10 @@ class Results:
     def _forget_earlier_files(self) -> None:
         """Delete what an earlier run of the step left, so that an interrupted step does not look like a done one."""
         remove_abandoned(self.case.results)
-        if self._listing().is_file():
-            for _, (file, *_) in read_csv(self._listing())[1]:
-                (self.case.results / file).unlink(missing_ok=True)
-            self._listing().unlink()
+        with suppress(InputError):  # a list that is damaged names no file for sure
+            for row in read_returned(self._listing(), self.case.root):
+                (self.case.results / row["file"]).unlink(missing_ok=True)
+        self._listing().unlink(missing_ok=True)
         derived_listing(self._listing(), self.case.results).unlink(missing_ok=True)
         for part in PARTS:
             (self.case.results / "parts" / f"{self.step}.{part}.csv").unlink(missing_ok=True)
@@ -400,14 +382,3 @@ def run_tasks(results: Results, tasks: Iterable[TaskFunction]) -> None:
         with results.task(function.where, function.__name__):  # type: ignore[attr-defined]  # set by `task`
             function(results.case, results)
     results.close()
-
-
-def read_part(case: Case, part: str) -> list[dict[str, str]]:
-    """Read one of `PARTS`, joined over the steps in their order; steps that have not run yet are passed over."""
-    rows: list[dict[str, str]] = []
-    for step in STEPS:
-        path = case.results / "parts" / f"{step}.{part}.csv"
-        if path.is_file():
-            header, lines = read_csv(path, case.root)
-            rows += [dict(zip(header, cells, strict=True)) for _, cells in lines]
-    return rows

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 from gainsay.tables import Case
-from gainsay.tables.files import read_records
 from gainsay.tables.models import Toleranced
+from gainsay.tables.returned import read_returned
 from gainsay.verdicts.record import certificates_of, scan_items, scans_of
 from gainsay.verdicts.tolerance import allowed, share
 
@@ -29,7 +29,7 @@ def _agrees(recorded: Toleranced, text: str) -> bool:
 
 
 def _quantity_differences(case: Case) -> Iterator[Difference]:
-    found = {row["quantity"]: row for row in read_records(case.results / "quantities.csv", case.root)}
+    found = {row["quantity"]: row for row in read_returned(case.results / "quantities.csv", case.root)}
     for quantity in case.quantities:
         if quantity not in found:
             yield case.name, "quantity", quantity, "computed", "", "declared in quantities.csv"
@@ -77,8 +77,8 @@ def _statement_differences(case: Case) -> Iterator[Difference]:
 
 
 def _witness_differences(case: Case) -> Iterator[Difference]:
-    quantities = {row["quantity"] for row in read_records(case.results / "quantities.csv", case.root)}
-    certificates = {row["certificate"]: row for row in read_records(case.results / "certificates.csv", case.root)}
+    quantities = {row["quantity"] for row in read_returned(case.results / "quantities.csv", case.root)}
+    certificates = {row["certificate"]: row for row in read_returned(case.results / "certificates.csv", case.root)}
     for name, row in certificates.items():
         if row["accepted"] != "1":
             yield case.name, "certificate", name, "accepted", "refused", row["says"]
@@ -95,9 +95,9 @@ def differences(case: Case) -> list[Difference]:
     Of a draft, what is not on record yet is no difference.
     """
     found: list[Difference] = []
-    for row in read_records(case.results / "failures.csv", case.root):
+    for row in read_returned(case.results / "failures.csv", case.root):
         found.append((case.name, "failure", f"{row['step']} {row['where']}", "", row["message"], row["task"]))
-    verdicts = {row["claim"]: row for row in read_records(case.results / "verdicts.csv", case.root)}
+    verdicts = {row["claim"]: row for row in read_returned(case.results / "verdicts.csv", case.root)}
     for claim in case.claims.values():
         row = verdicts.get(claim.id, {"verdict": "missing", "note": "run the verdicts again", "witness": ""})
         if row["verdict"] != claim.expected or row["verdict"] == "failed":

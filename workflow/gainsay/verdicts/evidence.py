@@ -5,9 +5,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from gainsay.errors import CertificateError
+from gainsay.exact.digits import double
 from gainsay.proof import check, read_certificate
 from gainsay.tables import Case
-from gainsay.tables.results import UNDECIDED, read_part
+from gainsay.tables.returned import UNDECIDED, read_part
 from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 
 
@@ -94,7 +95,7 @@ class Evidence:
 
 
 def _number(text: str) -> float | None:
-    return float(text) if text else None
+    return double(text) if text else None
 
 
 def _ends(relation: str, value: str | None) -> tuple[Fraction | None, Fraction | None]:
@@ -119,7 +120,7 @@ def read_evidence(case: Case) -> Evidence:
             evidence.undecided[row["quantity"]] = row["method"].removeprefix(UNDECIDED).strip()
             continue
         evidence.found[row["quantity"]] = Found(
-            float(row["value"]), _number(row["lower"]), _number(row["upper"]), row["method"], row["source"]
+            double(row["value"]), _number(row["lower"]), _number(row["upper"]), row["method"], row["source"]
         )
     # Only what a step lists as its own counts: a file left by an interrupted or older step is no evidence.
     listed = sorted({case.results / row["file"] for row in read_part(case, "files")})

@@ -1,14 +1,17 @@
 """What a scan says of a claim: its values are held against the claim's criterion here, not where they were computed."""
 
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from gainsay.errors import InputError
 from gainsay.tables import Case
-from gainsay.tables.files import read_text
+from gainsay.tables.files import read_json, shown
 from gainsay.tables.models import Claim
+from gainsay.tables.reading import expectation
 from gainsay.tables.units import to_si
 from gainsay.verdicts.criterion import NUMERIC, Criterion, criteria
 from gainsay.verdicts.plausible import Plausible, Point, distance
@@ -113,14 +116,61 @@ class Outcome:
         return f"holds at {count} of {self.samples} plausible inputs ({self.quantity} {self.criterion})"
 
 
+class _Found(BaseModel):
+    """Values of the quantity, each at its point."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+
+    values: list[float] = Field(min_length=1)
+    points: list[list[float | str | bool]]
+
+
+class ScanFile(_Found):
+    """``scans/<quantity>.json``: values of a quantity over what a paper leaves out."""
+
+    quantity: str
+    seed: int
+    sequence: str
+    inputs: list[dict[str, float | str | bool | list[float | str]]]
+    crossings: list[_Found]
+
+
 def _short(value: Any) -> str:
     return f"{value:.5g}" if isinstance(value, float) else str(value)
 
 
 def read_scans(paths: Iterable[Path], root: Path) -> dict[str, dict[str, Any]]:
-    """Return the content of scan files by the quantity scanned."""
-    scans = (json.loads(read_text(path, root)) for path in sorted(paths))
+    """Return the content of scan files by the quantity scanned.
+
+    Raises
+    ------
+    InputError
+        If a file is not a scan as a step writes it.
+    """
+    scans = [_read_scan(path, root) for path in sorted(paths)]
     return {scan["quantity"]: scan for scan in scans}
+
+
+def _read_scan(path: Path, root: Path) -> dict[str, Any]:
+    """Read a scan and see that its points are points of its inputs."""
+    content = read_json(path, root)
+    try:
+        scan = ScanFile.model_validate(content)
+        inputs = [Plausible.from_json(entry) for entry in content["inputs"]]
+        for found in (scan, *scan.crossings):
+            for _, row in zip(found.values, found.points, strict=True):
+                for entry, value in zip(inputs, row, strict=True):
+                    entry.fraction(value)  # raises where the input cannot have the value
+        for crossing in scan.crossings:
+            if len(crossing.values) != 2 or crossing.points[0] == crossing.points[1]:
+                raise ValueError("a crossing that joins no two points")
+    except ValidationError as error:
+        field, value, expected = expectation(ScanFile, error.errors()[0])
+        raise InputError(file=shown(path, root), field=field, value=value, expected=expected) from None
+    except (ValueError, TypeError, ArithmeticError) as error:
+        message = f"no scan: {error}"
+        raise InputError(message, file=shown(path, root), expected="a scan as a step writes it") from None
+    return content
 
 
 def outcomes(case: Case, scans: Mapping[str, Mapping[str, Any]]) -> dict[str, Outcome]:

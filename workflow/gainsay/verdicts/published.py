@@ -8,8 +8,9 @@ from fractions import Fraction
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
 from gainsay.tables import Case
-from gainsay.tables.files import cell, read_records
+from gainsay.tables.files import cell
 from gainsay.tables.models import Claim
+from gainsay.tables.returned import read_returned
 
 PUBLISHED_COLUMNS = (
     "paper", "claim", "what", "entry", "published", "recomputed", "unit", "low", "high", "units_of_last_digit",
@@ -78,7 +79,7 @@ def _entry_verdict(low: float, high: float, rounding: tuple[float, float], ident
 
 
 def _gain_rows(case: Case) -> Iterator[dict[str, str]]:
-    for row in read_records(case.results / "gains.csv", case.root):
+    for row in read_returned(case.results / "gains.csv", case.root):
         value = _number(row["resynthesised"])
         low = _number(row["range_low"]) if row["range_low"] else value
         high = _number(row["range_high"]) if row["range_high"] else value
@@ -93,7 +94,7 @@ def _gain_rows(case: Case) -> Iterator[dict[str, str]]:
 
 
 def _pole_rows(case: Case) -> Iterator[dict[str, str]]:
-    for row in read_records(case.results / "poles.csv", case.root):
+    for row in read_returned(case.results / "poles.csv", case.root):
         value, radius = float(row["recomputed"]), float(row["radius"])
         low, high = value - radius, value + radius
         meets = low <= float(row["rounding_high"]) and float(row["rounding_low"]) <= high
@@ -111,7 +112,7 @@ def _is_published(case: Case, claim: Claim) -> bool:
 
 
 def _claim_rows(case: Case) -> Iterator[dict[str, str]]:
-    verdicts = {row["claim"]: row for row in read_records(case.results / "verdicts.csv", case.root)}
+    verdicts = {row["claim"]: row for row in read_returned(case.results / "verdicts.csv", case.root)}
     for claim in case.claims.values():
         if not _is_published(case, claim):
             continue

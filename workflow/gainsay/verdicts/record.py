@@ -7,9 +7,9 @@ from typing import Any
 from gainsay.errors import ComputationError, GainsayError
 from gainsay.proof import formulas_digest, read_certificate
 from gainsay.tables import Case
-from gainsay.tables.files import cell, read_records, write_csv
+from gainsay.tables.files import cell, write_csv
 from gainsay.tables.models import Recorded, RecordedCertificate, RecordedScan, Toleranced, columns
-from gainsay.tables.results import read_part
+from gainsay.tables.returned import read_part, read_returned
 from gainsay.tables.units import with_unit
 from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 from gainsay.verdicts.tolerance import ROUNDING, decimal_above, proposed
@@ -49,7 +49,7 @@ def certificates_of(case: Case) -> dict[str, str]:
 
 def _refuse_unfinished(case: Case, found: Mapping[str, Any]) -> None:
     """Nothing goes on record, and nothing off it, while a computation is broken or missing."""
-    failures = read_records(case.results / "failures.csv", case.root)
+    failures = read_returned(case.results / "failures.csv", case.root)
     if failures:
         raise ComputationError(case.name, f"{len(failures)} computations failed: nothing was put on record")
     missing = [quantity for quantity in case.quantities if quantity not in found]
@@ -120,7 +120,7 @@ def record_paper(case: Case) -> Iterator[str]:
     ComputationError
         While a computation of the paper is broken or missing: nothing is written then.
     """
-    found = {row["quantity"]: row for row in read_records(case.results / "quantities.csv", case.root)}
+    found = {row["quantity"]: row for row in read_returned(case.results / "quantities.csv", case.root)}
     _refuse_unfinished(case, found)
     tables = {
         "recorded": (columns(Recorded), list(_quantity_rows(case, found)), case.recorded),

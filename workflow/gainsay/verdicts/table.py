@@ -4,11 +4,6 @@ from gainsay.tables import Case
 from gainsay.verdicts.evidence import Evidence, read_evidence
 from gainsay.verdicts.judge import Judgement, judge
 
-VERDICT_COLUMNS = (
-    "claim", "where", "kind", "statement", "published", "recomputed", "unit", "tolerance", "verdict", "expected",
-    "evidence", "range_low", "range_high", "witness", "quantity", "certificate", "note", "given", "weight",
-)  # fmt: skip
-
 
 def _row(case: Case, claim_id: str, judged: Judgement) -> dict[str, object]:
     claim = case.claims[claim_id]
