@@ -92,7 +92,8 @@ def _of_paper(root: Path, paper: str) -> list[TaskRow]:
         from gainsay.proof.build import accepted
         from gainsay.steps.simulation import simulate
         from gainsay.tables import read_case
-        from gainsay.tables.results import Results, read_part
+        from gainsay.tables.results import Results
+        from gainsay.tables.returned import read_part
 
         owners = {"synthesis": "synthesis", "audit": "audit", "simulation": "runs"}
         modules = {step: import_module(f"papers.{paper}.{owner}") for step, owner in owners.items()}

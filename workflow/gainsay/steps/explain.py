@@ -9,7 +9,7 @@ from gainsay.tables import Case, read_case
 from gainsay.tables.files import read_csv, read_records
 from gainsay.tables.listing import damage
 from gainsay.tables.models import Claim
-from gainsay.tables.results import STEPS
+from gainsay.tables.returned import STEPS
 from gainsay.tables.units import with_unit
 
 _WIDTH = 16
