@@ -97,7 +97,7 @@ def test_conformance_of_every_kind_of_topic(root):
 def test_list_is_plain_when_piped(root, capsys):
     assert commands.list_logs(root) == 0
     rows = [line.split("\t") for line in capsys.readouterr().out.splitlines()]
-    assert rows[0] == ["paper", "run", "duration [s]", "topics", "messages", "size [B]"]
+    assert rows[0] == ["paper", "run", "duration [s]", "topics", "messages", "size [B]", "what it is"]
     assert [row[:4] for row in rows[1:]] == [["demo", "later", "3000", "17"], ["demo", "spiral", "3000", "17"]]
     assert int(rows[1][5]) == (root / "results/demo/logs/later.mcap").stat().st_size
 
@@ -111,14 +111,83 @@ def test_view_refuses_what_is_not_there(root, paper, run, words):
         commands.view(root, paper, run)
 
 
+def test_view_without_a_run_opens_the_nominal_one(root, monkeypatch, capsys):
+    asked = []
+    monkeypatch.setattr(commands, "_open", lambda rrd, ports: asked.append((rrd.stem, ports)) or 0)
+    monkeypatch.setenv("DISPLAY", ":0")
+    toml = root / "papers/demo/paper.toml"
+    toml.parent.mkdir(parents=True)
+    toml.write_text('[runs]\nspiral = "the first that is declared"\nlater = "another"\n')
+    assert commands.view(root, "demo") == 0
+    assert asked == [("spiral", ())]
+    assert "opening spiral; also there: later" in capsys.readouterr().err
+    toml.unlink()
+
+
+def test_without_a_screen_a_line_says_how_to_look(root, monkeypatch, capsys):
+    monkeypatch.setattr(commands, "_open", lambda rrd, ports: pytest.fail("nothing is opened"))
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert commands.view(root, "demo", "spiral") == 3
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "gainsay view demo spiral --web" in line
+    assert line.count(":localhost:") == 2  # the page and the data
+    assert "ssh -N -L" in line
+
+
+def test_a_log_of_somebody_else_is_told_as_far_as_it_goes(tmp_path, capsys):
+    """Written by the mcap package; cut short, what was read before stays told."""
+    from mcap.writer import CompressionType, Writer
+
+    path = tmp_path / "other.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream, compression=CompressionType.NONE, use_chunking=False)
+        writer.start(profile="ros2", library="other")
+        schema = writer.register_schema("a", "jsonschema", b"{}")
+        channel = writer.register_channel("/a.b", "json", schema)
+        for second in range(5):
+            writer.add_message(channel, second * 10**9, b"{}", second * 10**9)
+        writer.finish()
+    assert commands.list_logs(tmp_path, str(path)) == 0
+    first, topic = capsys.readouterr().out.splitlines()
+    assert "not one of ours (profile 'ros2'" in first and "5 messages in 4 s" in first
+    assert topic.split() == ["/a.b", "json", "5", "messages"]
+    path.write_bytes(path.read_bytes()[:-400])
+    assert commands.list_logs(tmp_path, str(path)) == 0
+    assert "it breaks off" in capsys.readouterr().out
+    path.write_bytes(b"no log at all")
+    with pytest.raises(LogError, match="no MCAP file"):
+        commands.list_logs(tmp_path, str(path))
+    mine = write_demo(tmp_path / "mine.mcap", samples=11)
+    assert commands.list_logs(tmp_path, str(mine)) == 0
+    assert "mine.mcap: demo mine, 3000 s" in capsys.readouterr().out
+
+
+def test_the_gallery_shows_every_run(root, monkeypatch, capsys):
+    from gainsay.logs.render import Rendering
+
+    def drawn(rrd, png):
+        png.write_bytes(b"picture")
+        return Rendering(rrd.stem, pictures=[png], views=["a"])
+
+    monkeypatch.setattr("gainsay.logs.render.render", drawn)
+    assert commands.gallery(root) == 0
+    page = (root / "results/gallery.html").read_text()
+    for run in ("later", "spiral"):
+        assert f'src="demo/gallery/{run}.png"' in page and f'id="demo-{run}"' in page
+    assert "2 runs, see results/gallery.html" in capsys.readouterr().out
+
+
 def test_view_opens_the_run_and_ends_its_own_child(root, monkeypatch, capsys):
     """A stand-in for the viewer that tells its arguments and the switch it finds."""
     script = root / "viewer"
     script.write_text(f'#!/bin/sh\necho "$@" > {root}/seen\ncat $XDG_CONFIG_HOME/rerun/analytics.json >> {root}/seen\n')
     script.chmod(0o755)
     monkeypatch.setattr(commands, "rerun_binary", lambda: str(script))
+    monkeypatch.setenv("DISPLAY", ":0")
     assert commands.view(root, "demo", "spiral") == 0
     seen = (root / "seen").read_text()
+    assert "--bind 127.0.0.1" in seen
     assert seen.startswith(str(root / "results/demo/logs/spiral.rrd"))
     assert '"analytics_enabled": false' in seen
     script.write_text("#!/bin/sh\nexit 7\n")
@@ -134,7 +203,8 @@ def test_a_terminated_view_takes_its_viewer_along(root):
         "import sys; from pathlib import Path; from gainsay.logs import commands;"
         "commands.rerun_binary = lambda: sys.argv[2]; commands.view(Path(sys.argv[1]), 'demo', 'spiral')"
     )
-    command = subprocess.Popen([sys.executable, "-c", code, str(root), str(script)])
+    environment = os.environ | {"DISPLAY": ":0"}
+    command = subprocess.Popen([sys.executable, "-c", code, str(root), str(script)], env=environment)
     pid = root / "pid"
     limit = time.monotonic() + 20.0
     while not (pid.exists() and pid.read_text().strip()) and time.monotonic() < limit:

@@ -236,7 +236,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def logs(options: argparse.Namespace) -> int:
-    """List the runs with their duration, topics and size."""
+    """List the runs, what each is, with its duration and size; or the topics of one file, which may be anybody's."""
     from gainsay.logs.commands import list_logs
 
     return list_logs(options.root, options.paper)
@@ -279,10 +279,10 @@ def replay(options: argparse.Namespace) -> int:
 
 def _add_log_commands(add: Callable[..., argparse.ArgumentParser]) -> None:
     """Add the commands that work on logs."""
-    add("logs", logs).add_argument("paper", nargs="?", help="of one paper; default: all")
+    add("logs", logs).add_argument("paper", nargs="?", help="a paper, or a file ending in .mcap; default: all papers")
     opened = add("view", view)
     opened.add_argument("paper", help="folder name below papers/")
-    opened.add_argument("run", nargs="?", help="default: the first in the order of names")
+    opened.add_argument("run", nargs="?", help="default: the nominal run")
     opened.add_argument("--web", action="store_true", help="in the web browser")
     add("gallery", gallery).add_argument("papers", nargs="*", help="default: all")
     replayed = add("replay", replay)

@@ -6,14 +6,19 @@ Exit codes: 0 done, 1 a picture shows a broken or empty view, 2 a log cannot be 
 
 import os
 import signal
+import socket
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
 from gainsay.errors import InputError, LogError, one_of
+from gainsay.logs.foreign import describe
+from gainsay.logs.gallery import gallery_page
 from gainsay.logs.quiet import quiet, rerun_binary
 from gainsay.logs.reader import read_log
+from gainsay.tables.files import write_atomically
 
 
 def log_files(root: Path, paper: str | None = None) -> list[Path]:
@@ -24,9 +29,12 @@ def log_files(root: Path, paper: str | None = None) -> list[Path]:
     InputError
         There is none.
     """
-    found = sorted(Path(root).glob(f"results/{paper or '*'}/logs/*.mcap"))
+    every = sorted(Path(root).glob("results/*/logs/*.mcap"))
+    found = [mcap for mcap in every if paper in (None, _paper(mcap))]
     if not found:
-        raise InputError("no logs", file=f"results/{paper or '*'}/logs", expected="runs written by the simulation step")
+        papers = dict.fromkeys(map(_paper, every))
+        expected = one_of(paper, papers) if paper and papers else "runs written by the simulation step"
+        raise InputError("no logs", file=f"results/{paper or '*'}/logs", expected=expected)
     return found
 
 
@@ -35,11 +43,22 @@ def _paper(mcap: Path) -> str:
 
 
 def list_logs(root: Path, paper: str | None = None) -> int:
-    """Print every run with its duration, topics and size: aligned on a terminal, tab-separated elsewhere.
+    """Print every run with its size and what it is: aligned on a terminal, tab-separated elsewhere.
 
     A log that cannot be read is named on stderr and hides no other; the exit code is then 2.
+
+    Parameters
+    ----------
+    root : Path
+        Project root.
+    paper : str, optional
+        A paper, or a single ``.mcap`` file, which may be of somebody else.
     """
-    rows = [("paper", "run", "duration [s]", "topics", "messages", "size [B]")]
+    if paper is not None and paper.endswith(".mcap"):
+        for line in describe(Path(paper)):
+            print(line)
+        return 0
+    rows = [("paper", "run", "duration [s]", "topics", "messages", "size [B]", "what it is")]
     code = 0
     for mcap in log_files(root, paper):
         try:
@@ -50,21 +69,31 @@ def list_logs(root: Path, paper: str | None = None) -> int:
             continue
         messages = sum(log.count(topic) for topic in log.topics)
         row = (_paper(mcap), mcap.stem, f"{log.duration:g}", len(log.topics), messages, log.size)
-        rows.append(tuple(str(cell) for cell in row))
+        rows.append(tuple(str(cell) for cell in (*row, log.metadata.get("about", ""))))
     if sys.stdout.isatty():
-        widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+        widths = [max(len(row[column]) for row in rows) for column in range(6)]
         for row in rows:
             names = [cell.ljust(width) for cell, width in zip(row[:2], widths[:2], strict=True)]
-            numbers = [cell.rjust(width) for cell, width in zip(row[2:], widths[2:], strict=True)]
-            print("  ".join(names + numbers))
+            numbers = [cell.rjust(width) for cell, width in zip(row[2:6], widths[2:], strict=True)]
+            print("  ".join([*names, *numbers, row[6]]))
     else:
         for row in rows:
             print("\t".join(row))
     return code
 
 
+def _first_run(root: Path, paper: str, runs: Iterable[str]) -> str:
+    """The nominal run, or the first that the paper declares, or the first there is."""
+    there = list(runs)
+    toml = Path(root, "papers", paper, "paper.toml")
+    declared = tomllib.loads(toml.read_text(encoding="utf-8")).get("runs", {}) if toml.is_file() else {}
+    return next((run for run in ("nominal", *declared) if run in there), there[0])
+
+
 def view(root: Path, paper: str, run: str | None = None, *, web: bool = False) -> int:
-    """Open a run in the Rerun viewer and wait until it is closed.
+    """Open a run in the Rerun viewer, which listens on this machine alone, and wait until it is closed.
+
+    Without a screen nothing is opened: a line says how to look from another machine.
 
     Parameters
     ----------
@@ -72,7 +101,7 @@ def view(root: Path, paper: str, run: str | None = None, *, web: bool = False) -
         Project root.
     paper : str
     run : str, optional
-        By default the first in the order of names; the others are named on stderr.
+        By default the nominal run, or the first that the paper declares; the others are named on stderr.
     web : bool
         Open it in the web browser instead.
 
@@ -83,26 +112,48 @@ def view(root: Path, paper: str, run: str | None = None, *, web: bool = False) -
     """
     runs = {mcap.stem: mcap for mcap in log_files(root, paper)}
     if run is None:
-        run, *others = runs
-        if others:
-            print(f"opening {run}; also there: {', '.join(others)}", file=sys.stderr)
+        run = _first_run(root, paper, runs)
+        if len(runs) > 1:
+            print(f"opening {run}; also there: {', '.join(name for name in runs if name != run)}", file=sys.stderr)
     if run not in runs:
         raise InputError(f"no run of {paper}", value=run, expected=one_of(run, runs))
     rrd = runs[run].with_suffix(".rrd")
     if not rrd.is_file():
         raise InputError("not made yet", file=f"results/{paper}/logs/{rrd.name}", expected="the views step to have run")
-    return _open(rrd, web)
+    screen = sys.platform != "linux" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    ports = (_free_port(9090), _free_port(9876)) if web or not screen else ()
+    if ports and not screen:
+        page = f"http://localhost:{ports[0]}/?url=rerun%2Bhttp%3A%2F%2Flocalhost%3A{ports[1]}%2Fproxy"
+        first = "" if web else f"run `gainsay view {paper} {run} --web` here, "
+        print(
+            f"no screen here: {first}on your own machine `ssh -N -L {ports[0]}:localhost:{ports[0]} "
+            f"-L {ports[1]}:localhost:{ports[1]} THIS_MACHINE`, and open {page}",
+            file=sys.stderr,
+        )
+        if not web:
+            return 3
+    return _open(rrd, ports)
 
 
-def _open(rrd: Path, web: bool) -> int:
+def _free_port(first: int) -> int:
+    """The first port from `first` on that nothing listens on."""
+    for port in range(first, first + 100):
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) != 0:
+                return port
+    return first
+
+
+def _open(rrd: Path, ports: tuple[int, ...]) -> int:
+    """Run the viewer to its end; with ports, those of the page and of the data, in the web browser."""
     try:
         binary = rerun_binary()
     except LogError as error:
         print(f"not shown: {error}", file=sys.stderr)
         return 3
-    arguments = [binary, str(rrd), "--port", "auto"]
-    if web:
-        arguments += ["--web-viewer", "--bind", "127.0.0.1"]
+    arguments = [binary, str(rrd), "--bind", "127.0.0.1", "--port", str(ports[1]) if ports else "auto"]
+    if ports:
+        arguments += ["--web-viewer", "--web-viewer-port", str(ports[0])]
     with quiet() as environment:
         environment.pop("RUST_LOG", None)  # the address of the web viewer is told as information
         viewer = subprocess.Popen(arguments, env=environment)
@@ -118,34 +169,39 @@ def _open(rrd: Path, web: bool) -> int:
                 viewer.wait()
             signal.signal(signal.SIGTERM, before)
     if code != 0:
-        hint = "" if web or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") else "; no screen: try --web"
-        print(f"not shown: the viewer ended with code {code}{hint}", file=sys.stderr)
+        print(f"not shown: the viewer ended with code {code}{'' if ports else '; try --web'}", file=sys.stderr)
         return 3
     return 0
 
 
 def gallery(root: Path, papers: Iterable[str] = (), *, out: str = "gallery") -> int:
-    """Render every run in the real viewer and check that no view is broken or empty.
+    """Render every run in the real viewer, check that no view is broken or empty, and write ``results/gallery.html``.
 
-    Pictures go to ``results/<paper>/<out>/<run>.png``, further tabs to ``<run>_2.png`` and so on.
+    Pictures go to ``results/<paper>/<out>/<run>.png``, further tabs to ``<run>_2.png`` and so on. The page shows every
+    run of the papers, those without a picture by name.
     """
     from gainsay.logs.render import NotCheckedError, render
 
-    code = 0
+    code, shown = 0, []
     for paper in tuple(papers) or (None,):
         for mcap in log_files(root, paper):
             folder = mcap.parent.parent / out
             folder.mkdir(exist_ok=True)
+            shown.append((mcap, []))
             try:
                 found = render(mcap.with_suffix(".rrd"), folder / f"{mcap.stem}.png")
             except NotCheckedError as error:
                 print(f"{_paper(mcap)}  {error}")
                 code = 3
                 continue
+            shown[-1][1].extend(found.pictures)
             for problem in found.problems:
                 print(f"{_paper(mcap)}  {problem}")
             if found.problems:
                 code = code or 1
             else:
                 print(f"{_paper(mcap)}  {found.run}: {len(found.views)} views, {len(found.pictures)} pictures")
+    page = Path(root, "results", "gallery.html")
+    write_atomically(page, gallery_page(page.parent, shown))
+    print(f"gallery     {len(shown)} runs, see results/gallery.html")
     return code
