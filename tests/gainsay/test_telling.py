@@ -2,6 +2,7 @@
 
 import shutil
 import sys
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -15,6 +16,8 @@ from gainsay.steps.simulation import simulation
 from gainsay.steps.synthesis import synthesis
 from gainsay.steps.verdicts import verdicts
 from gainsay.tables import read_case
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +38,18 @@ def root(computed, tmp_path):
     """A copy that a test may change."""
     shutil.copytree(computed, tmp_path / "own")
     return tmp_path / "own"
+
+
+def test_every_step_of_the_example_and_of_the_tutorial_is_whole(root):
+    """What the library changes in its calls has to be changed in what `gainsay new` writes and in the docs too."""
+    shutil.copytree(ROOT / "docs/examples/double_integrator", root / "papers/double_integrator")
+    case = read_case(root, "double_integrator")
+    for step in (synthesis, audit, simulation, figures, verdicts, compare):
+        step(case)
+    for paper in ("toy2001", "double_integrator"):
+        assert (root / "results" / paper / "failures.csv").read_text().count("\n") == 1, paper
+        rows = (root / "results" / paper / "differences.csv").read_text().splitlines()[1:]
+        assert not [row for row in rows if ",verdict," in row or ",quantity," in row or ",certificate," in row], rows
 
 
 def said(root, capsys, *arguments, code=0):

@@ -11,10 +11,10 @@ from gainsay.tables import Case
 
 def both(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw the two curves above each other."""
-    above, below = panels(figure, ["Displacement [m]", "Control [N]"])
+    above, below = drawn = panels(figure, ["Displacement [m]", "Control [N]"])
     curves(above, logs["nominal"], "/mass", ("x",))
     curves(below, logs["nominal"], "/control", ("u",))
-    finish(below)
+    finish(figure, drawn)
 
 
 FIGURES = (FigureSpec("figure_1", ("nominal",), both),)

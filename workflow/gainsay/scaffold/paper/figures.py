@@ -11,9 +11,9 @@ from gainsay.tables import Case
 
 def angle(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 1."""
-    (panel,) = panels(figure, ["Angle [rad]"])
+    (panel,) = drawn = panels(figure, ["Angle [rad]"])
     curves(panel, logs["nominal"], "/satellite/state", ("angle",))
-    finish(panel)
+    finish(figure, drawn)
 
 
 FIGURES = (FigureSpec("figure_1", ("nominal",), angle),)
