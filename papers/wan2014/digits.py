@@ -6,10 +6,10 @@ import numpy as np
 from scipy.optimize import linprog
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import ranges
+from gainsay.lmi import Program, ranges
 from gainsay.tables import Case
 from gainsay.tables.reading import PrintedMatrix
-from papers.wan2014.lmis import Problem, near_optimal
+from papers.wan2014.statements import near_optimal
 
 #: near-optimal means a cost of at most this times the infimum
 NEAR = 1.001
@@ -107,29 +107,30 @@ def _spread(low: np.ndarray, high: np.ndarray, optimum: np.ndarray) -> Spread:
     return Spread(low, high, (high - low) / 2 < IDENTIFIED * np.abs(optimum))
 
 
-def spreads(problem: Problem, optimum: dict, rho: float, rounds: int = 2) -> dict[str, Spread]:
+def spreads(case: Case, optimum: dict, rho: float) -> dict[str, Spread]:
     """Range every entry of X, Y (linear programs) and K (sequential ones) over all points of cost below NEAR rho.
+
+    An entry of K is ranged by linearisations (Y - K0 X) X0^-1 at the last point found: its ends are attained, but may
+    fall short of the true ones. The second linearisation is for the entries that still look identified after the
+    first: of the others it could change nothing.
 
     Parameters
     ----------
-    problem : Problem
+    case : Case
     optimum : dict
         X, Y, eps of the sub-problem in the paper's units, at the optimum.
     rho : float
         Its infimum.
-    rounds : int
-        Linearisations for an entry of K: (Y - K0 X) X0^-1 at the last point found. Its ends are attained, but may fall
-        short of the true ones.
     """
-    (X, Y, _, _), program = near_optimal(problem, NEAR * rho)
+    program = near_optimal(case, NEAR * rho).program()
+    unknown = {variable.name: variable for variable in program.places}
     near = {**optimum, "inverse_rho": 1 / rho}
     places = {"X": [*_UPPER], "Y": [(i, j) for i in range(3) for j in range(6)]}
     result, visited = {}, []
-    for name, unknown in (("X", X), ("Y", Y)):
-        low, high = np.full(unknown.shape, np.nan), np.full(unknown.shape, np.nan)
-        for (i, j), found in zip(
-            places[name], ranges(program, [unknown[i, j] for i, j in places[name]], near), strict=True
-        ):
+    for name in ("X", "Y"):
+        low, high = np.full(unknown[name].shape, np.nan), np.full(unknown[name].shape, np.nan)
+        entries = [unknown[name][i, j] for i, j in places[name]]
+        for (i, j), found in zip(places[name], ranges(program, entries, near), strict=True):
             low[i, j], high[i, j] = found.low, found.high
             visited += [point for point in (found.at_low, found.at_high) if point]
             if name == "X":
@@ -137,19 +138,28 @@ def spreads(problem: Problem, optimum: dict, rho: float, rounds: int = 2) -> dic
         result[name] = _spread(low, high, optimum[name])
     K0 = np.linalg.solve(optimum["X"], optimum["Y"].T).T
     gains = [K0, *(np.linalg.solve(point["X"], point["Y"].T).T for point in visited)]
-    low, high = np.min(gains, axis=0), np.max(gains, axis=0)
-    for side, end in enumerate((low, high)):
-        points = dict.fromkeys(places["Y"], (optimum["X"], K0))
-        for _ in range(rounds):
-            linear = [
-                (Y[i, :] - points[i, j][1][i : i + 1] @ X) @ np.linalg.solve(points[i, j][0], np.eye(6)[:, j : j + 1])
-                for i, j in places["Y"]
-            ]
-            for (i, j), found in zip(places["Y"], ranges(program, linear, near, sides=(side,)), strict=True):
-                point = (found.at_low, found.at_high)[side]
-                if point:
-                    k = np.linalg.solve(point["X"], point["Y"].T).T
-                    points[i, j] = point["X"], k
-                    end[i, j] = (min, max)[side](end[i, j], k[i, j])
-    result["K"] = _spread(low, high, K0)
+    ends = np.array([np.min(gains, axis=0), np.max(gains, axis=0)])
+    points = {(side, place): (optimum["X"], K0) for side in (0, 1) for place in places["Y"]}
+    looked_at = list(places["Y"])
+    for _ in range(2):
+        for side in (0, 1):
+            _push(program, unknown, near, side, looked_at, points, ends)
+        identified = _spread(*ends, K0).identified
+        looked_at = [place for place in looked_at if identified[place]]
+    result["K"] = _spread(*ends, K0)
     return result
+
+
+def _push(program: Program, unknown: dict, near: dict, side: int, places: list, points: dict, ends: np.ndarray) -> None:
+    """Move one end of entries of K outwards by a linearisation each at the last point found."""
+    X, Y = unknown["X"], unknown["Y"]
+    linear = []
+    for i, j in places:
+        X0, K = points[side, (i, j)]
+        linear.append((Y[i, :] - K[i : i + 1] @ X) @ np.linalg.solve(X0, np.eye(6)[:, j : j + 1]))
+    for (i, j), found in zip(places, ranges(program, linear, near, sides=(side,)), strict=True):
+        point = (found.at_low, found.at_high)[side]
+        if point:
+            k = np.linalg.solve(point["X"], point["Y"].T).T
+            points[side, (i, j)] = point["X"], k
+            ends[side, i, j] = (min, max)[side](ends[side, i, j], k[i, j])

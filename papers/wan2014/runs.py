@@ -26,7 +26,7 @@ from gainsay.simulation.ode import Trajectory
 from gainsay.tables import Case
 from papers.wan2014 import plant
 from papers.wan2014.plant import AXES, COST, DELTA_V, ESTIMATE, POSITION, SQUARED_ERROR, VELOCITY, ClosedLoop
-from papers.wan2014.starts import CAPTURE_RADIUS, FLUCTUATION, settling_time
+from papers.wan2014.scans import CAPTURE_RADIUS, FLUCTUATION, settling_time
 
 STATE = {"x": "m", "y": "m", "z": "m", "vx": "m/s", "vy": "m/s", "vz": "m/s"}
 FORCE = dict.fromkeys(AXES, "N")

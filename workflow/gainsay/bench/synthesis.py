@@ -16,9 +16,8 @@ def rows(case: Case) -> Iterator[Row]:
     RuntimeError
         If it is not solved: a broken run is no measurement.
     """
-    lmis = import_module("papers.wan2014.lmis")
-    problem = lmis.Problem(case)
-    program = lmis.state_feedback(problem)
+    state_feedback = import_module("papers.wan2014.statements").state_feedback
+    program = state_feedback(case).program()
     found = solve(program)
     if not isinstance(found, Solved):
         raise RuntimeError("the sub-problem was not solved")
@@ -30,5 +29,5 @@ def rows(case: Case) -> Iterator[Row]:
         if raw.x is None:
             raise RuntimeError(f"bare Clarabel gave no point: {raw.record}")
 
-    yield paired("wan2014: sub-problem, built to checked", lambda: solve(lmis.state_feedback(problem)),
+    yield paired("wan2014: sub-problem, built to checked", lambda: state_feedback(case).solve(),
                  "one Clarabel call on assembled data", bare)  # fmt: skip
