@@ -122,7 +122,9 @@ def factorisation(case: Case, results: Results) -> None:
     results.say("(3), (42)", "factorisation holds for every e, n, M; the strict bound fails at M = 0")
 
 
-def enclosed(case: Case, results: Results, quantity: str, statement: str, *, id: str, source: str, **fields: Any) -> None:
+def enclosed(
+    case: Case, results: Results, quantity: str, statement: str, *, id: str, source: str, **fields: Any
+) -> None:
     """Enclose a measure of the eigenvalues of a matrix by a certificate; the quantity is the double in the middle."""
     measure = fields["measure"]
     proved = build.certificate(
@@ -275,7 +277,10 @@ def gain_rounding(case: Case, results: Results) -> None:
     )
     results.quantity("audit.gain_entries_explained", inside, source="(43), (44)",
                      method="entries of K inside the ball enclosure of Y X^-1 over the rounding box")  # fmt: skip
-    results.say("(43), (44)", f"Y X^-1 off by a factor up to {float(int(ratio.p) / int(ratio.q)):.1f}; rounding explains {inside} of 18 entries")
+    results.say(
+        "(43), (44)",
+        f"Y X^-1 off by a factor up to {int(ratio.p) / int(ratio.q):.1f}; rounding explains {inside} of 18 entries",
+    )
 
 
 def model_errors(case: Case, end: float = 3000.0) -> dict[str, float]:

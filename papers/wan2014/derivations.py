@@ -8,7 +8,6 @@ from gainsay.statements import Statement, Step, implication, matrix, positive, r
 from gainsay.tables import Case
 from papers.wan2014.statements import (
     EQ14,
-    EQ14_CORRECTED,
     EQ15,
     EQ18,
     EQ21,
@@ -214,7 +213,9 @@ def theorem_2(case: Case) -> Certificate:
         expand={**SUBSTITUTION, **EQ23, "DA": "E1@Lambda@E2", **LOOP},
         invertible=("P", "Q", "R"),
         symmetric=_SYMMETRIC,
-        faith=("That dV/dt <= -(x'Qx + u'Ru) < 0 along all motions means asymptotic stability and J <= V(0), as (20).",),
+        faith=(
+            "That dV/dt <= -(x'Qx + u'Ru) < 0 along all motions means asymptotic stability and J <= V(0), as (20).",
+        ),
     )
 
 

@@ -40,7 +40,7 @@ PROOF = {"P": symmetric(6), "K": matrix(3, 6), "eps": positive(), "rho": positiv
 
 
 def _statement(label: str, source: str, rows: tuple[str, ...], blocks: dict, **unknowns: Any) -> Statement:
-    known = {name: unknown for name, unknown in {**THEOREM, **PROOF, **unknowns}.items()}
+    known = {**THEOREM, **PROOF, **unknowns}
     return Statement(label, source, rows, blocks, known, plant)
 
 

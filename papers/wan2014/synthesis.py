@@ -90,12 +90,16 @@ def slips_of_the_text(case: Case, results: Results) -> None:
 def subproblem(case: Case, results: Results) -> None:
     """Solve the part of (14) that has a solution: the printed X, Y and K come from it."""
     found = {}
-    for name, saturated, weight in (("rho", True, "1"), ("rho_unsaturated", False, "1"), ("rho_input_twice", True, "2")):
+    for name, saturated, weight in (
+        ("rho", True, "1"),
+        ("rho_unsaturated", False, "1"),
+        ("rho_input_twice", True, "2"),
+    ):
         stated = state_feedback(case, saturated, weight)
         found[name] = _found(results, name, stated)
         sentence = "rho over block rows 1, 3, 5, 7 of (14) with (30) at e(0) = 0"
-        enclose(results, f"subproblem.{name}", stated, found[name], source="(14), (30), (31)",
-                sentence=f"{sentence}{' and (31)' if saturated else ''}{', R twice' if weight == '2' else ''}")  # fmt: skip
+        sentence += f"{' and (31)' if saturated else ''}{', R twice' if weight == '2' else ''}"
+        enclose(results, f"subproblem.{name}", stated, found[name], sentence=sentence, source="(14), (30), (31)")
     best = found["rho"]
     rho = best.value
     optimum = {name: np.asarray(best.values[name]) / rho for name in ("X", "Y", "eps")}
@@ -103,7 +107,8 @@ def subproblem(case: Case, results: Results) -> None:
     K, design = searches.gain(best.values), case.designs["resynthesised"]["K"]
     level = f"{digits.NEAR * best.lower:.9e}"
     near = state_feedback(case, Y="design('resynthesised', 'K')@X").changed(
-        minimise=None, subject_to=[*state_feedback(case, Y="design('resynthesised', 'K')@X").constraints, f"rho < {level}"]
+        minimise=None,
+        subject_to=[*state_feedback(case, Y="design('resynthesised', 'K')@X").constraints, f"rho < {level}"],
     )
     point = near.solve()
     prove(results, "subproblem.design_near", near, point, source="(44)",
@@ -133,15 +138,20 @@ def rounding_of_43(case: Case, results: Results) -> None:
     for name, formula, sign in (("upper", "inverse_rho", 1), ("lower", "-inverse_rho", -1)):
         found = ends[name] = _found(results, f"rho_{name}", stated.changed(minimise=formula))
         lower, upper = sorted(sign / end for end in (found.lower, found.upper))
-        results.quantity(f"box.rho_{name}", sign / found.value, lower=lower, upper=upper, method=ENCLOSED, source=source)
+        results.quantity(
+            f"box.rho_{name}", sign / found.value, lower=lower, upper=upper, method=ENCLOSED, source=source
+        )
     for name, formula in (("x11", "X[0,0]"), ("x22", "X[1,1]"), ("eps", "eps")):
         for end, sign in (("lower", 1), ("upper", -1)):
             found = _found(results, f"{name}_{end}", stated.changed(minimise=f"{sign}*{formula}"))
             lower, upper = sorted((sign * found.lower, sign * found.upper))
             results.quantity(f"box.{name}_{end}", sign * found.value, lower=lower, upper=upper, method=ENCLOSED,
                              source=source)  # fmt: skip
-    prove(results, "box.feasible", stated, ends["upper"].solved, source="(43)", id="subproblem-printed-digits",
-          sentence="X and Y that round to (43) and satisfy block rows 1, 3, 5, 7 of (14), (30) at e(0) = 0 and (31)")  # fmt: skip
+    sentence = "X and Y that round to (43) and satisfy block rows 1, 3, 5, 7 of (14), (30) at e(0) = 0 and (31)"
+    prove(
+        results, "box.feasible", stated, ends["upper"].solved, source="(43)", id="subproblem-printed-digits",
+        sentence=sentence,
+    )  # fmt: skip
     results.prove(proofs.consistent_digits(case, *digits.consistent_point(case)), source="(43), (44)")
     results.say("(43)", f"rho within {-1 / ends['lower'].value:.6e} .. {1 / ends['upper'].value:.6e}")
 

@@ -206,7 +206,8 @@ def test_plant_is_the_printed_one():
     E2[3, 1], E2[3, 3] = 0.25 * n**2, -n
     x0 = np.array([[3000.0, -4000, 20, -3, 4, -0.02]]).T
     printed = {"A": A, "B": B, "C": C, "L": L, "E1": E1, "E2": E2, "Q": I6, "R": np.eye(3), "x0": x0,
-               "e0": np.vstack([np.zeros((3, 1)), x0[3:]]), "u_x": [[40.0]], "u_y": [[40.0]], "u_z": [[20.0]]}  # fmt: skip
+               "e0": np.vstack([np.zeros((3, 1)), x0[3:]]), "u_x": [[40.0]], "u_y": [[40.0]],
+               "u_z": [[20.0]]}  # fmt: skip
     floats = statements.problem_38(CASE).floats()
     for name, value in printed.items():
         np.testing.assert_allclose(floats.constant(name), value, rtol=1e-14, atol=0, err_msg=name)
