@@ -49,7 +49,7 @@ run.peak,N,simulation,a peak
 """,
     "papers/toy/claims.csv": "id,where,kind,statement,comparator,quantity,published,unit,tolerance,expected,basis,note,"
     """weight,ocr
-length,(1),parameter,it is 1.50 m,equal,audit.length,1.50,m,,reproduced,by hand,,,
+length,(1),ordering,it is 1.50 m,equal,audit.length,1.50,m,,reproduced,by hand,,,
 bound,(2),norm-bound,it is at most 2 m,at_most,audit.other,2,m,,reproduced,by hand,,,
 lmi,(3),feasibility,it is feasible,feasible,audit.holds,,1,,reproduced,by hand,,,
 peak,Figure 1,trajectory,it peaks below 40 N,at_most,run.peak,40,N,,reproduced,by hand,,,

@@ -1,12 +1,15 @@
 """Audit of the printed controllers: poles, norms, vertices, random gains; and of what the model leaves out."""
 
+from fractions import Fraction
 from itertools import product
 
 import numpy as np
+from flint import arb
 from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
 from gainsay.dynamics import attitude
+from gainsay.exact.ball import ball, hull, lower, precision, upper
 from gainsay.proof import build
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_enclosure
 from gainsay.systems.regions import Disk, HalfPlane
@@ -28,7 +31,7 @@ HOLDS = {"constant": "constant", "fast": "0.1", "slow": "1"}
 #: draws of a whole simulation behind Figures 8 and 9, by how the gains are held
 SIMULATED = {"constant": 150, "fast": 20, "slow": 40}
 WINDOW = 100.0
-MU_EARTH = 3.986004418e14
+MU_EARTH = Fraction("3.986004418e14")
 
 
 def reduced_loop(case: Case, gains) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -73,11 +76,13 @@ def unstable_fraction(case: Case, gains, batch: int = 20_000) -> tuple[float, fl
 @task("Section IV, orbit")
 def orbit(case: Case, results: Results) -> None:
     """Rate of a 24 h orbit, and the period of the printed radius."""
-    results.quantity("audit.orbital_rate", 2 * np.pi / (3600 * case.number("orbit_period")), method="2 pi / 24 h",
-                     source="Section IV")  # fmt: skip
-    period = 2 * np.pi * np.sqrt(case.number("orbit_radius") ** 3 / MU_EARTH)
-    results.quantity("audit.orbit_period", period, method="Kepler's third law, mu = 3.986004418e14 m^3/s^2",
-                     source="Section IV")  # fmt: skip
+    with precision(128):
+        rate = 2 * arb.pi() / ball(3600 * case.exact("orbit_period"))
+        periods = 2 * arb.pi() * (hull(*case.rounded("orbit_radius")) ** 3 / ball(MU_EARTH)).sqrt()
+    period = 2 * np.pi * np.sqrt(case.number("orbit_radius") ** 3 / float(MU_EARTH))
+    results.enclosed("audit.orbital_rate", lower(rate), upper(rate), method="2 pi / 24 h", source="Section IV")
+    results.enclosed("audit.orbit_period", lower(periods), upper(periods), value=period, digits=True,
+                     source="Section IV", method="Kepler's third law, mu = 3.986004418e14 m^3/s^2")  # fmt: skip
     results.say("Section IV, orbit", f"radius of 42241 km: period {period / 3600:.4f} h")
 
 

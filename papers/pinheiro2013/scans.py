@@ -42,18 +42,32 @@ def inputs(case, names: tuple[str, ...]) -> tuple[Plausible, ...]:
     found = []
     for name in names:
         entry = f"inertia_b_{name[-1]}" if name.startswith("inertia") else name
-        found.append(replace(plausible(case, entry, logarithmic=name in _LOGARITHMIC), name=name))
+        found.append(replace(plausible(case, entry, logarithmic=name in _LOGARITHMIC), name=name, parameter=entry))
     return tuple(found)
 
 
-def base(case) -> dict:
-    """Value of every input at reconstruction B."""
-    numbers = ("orbital_rate", "angle_weight", "rate_weight", "harmonics", "disturbance_horizon")
-    return {
-        **{f"inertia_{axis}": case.number(f"inertia_b_{axis}") for axis in "xyz"},
-        **{name: case.number(name) for name in numbers},
-        **{name: case.choice(name) for name in ("disturbance_axes", "rate_unit", "norm_inputs")},
-    }
+def base(case, name: str) -> float | str:
+    """Value of an input at reconstruction B."""
+    if name in ("disturbance_axes", "rate_unit", "norm_inputs"):
+        return case.choice(name)
+    return case.number(f"inertia_b_{name[-1]}" if name.startswith("inertia") else name)
+
+
+class Filled(dict):
+    """A point whose missing inputs are read from reconstruction B when they are asked for.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    point : mapping
+    """
+
+    def __init__(self, case, point: Mapping) -> None:
+        super().__init__(point)
+        self._case = case
+
+    def __missing__(self, name: str) -> float | str:
+        return base(self._case, name)
 
 
 def rigid(case) -> Callable[[Mapping], bool]:
@@ -117,13 +131,21 @@ class Designs:
     """
 
     def __init__(self, case, point: Mapping) -> None:
-        self.case, point = case, {**base(case), **point}
+        self.case, self.point = case, Filled(case, point)
+
+    @cached_property
+    def satellite(self) -> Satellite:
+        """Satellite at the point."""
+        point = self.point
         moments = tuple(point[f"inertia_{axis}"] for axis in "xyz")
         weights = (point["angle_weight"], point["rate_weight"], 1.0)
-        self.satellite = Satellite(moments, point["orbital_rate"], case.number("inertia_change"), weights)
-        self.plants = {
-            group: read_inputs(generalized_plant(self.satellite, group), point["norm_inputs"]) for group in SEPARATE
-        }
+        return Satellite(moments, point["orbital_rate"], self.case.number("inertia_change"), weights)
+
+    @cached_property
+    def plants(self) -> dict[str, GeneralizedPlant]:
+        """Generalized plant by group, its input w as read."""
+        reading = self.point["norm_inputs"]
+        return {group: read_inputs(generalized_plant(self.satellite, group), reading) for group in SEPARATE}
 
     def gamma(self, level: str, group: str) -> float:
         """Level at which a design is made."""
@@ -219,11 +241,23 @@ class Study:
     """
 
     def __init__(self, case, point: Mapping, designs: Designs | None = None) -> None:
-        self.case, self.point = case, {**base(case), **point}
+        self.case, self.point = case, Filled(case, point)
         self.designs = Designs(case, point) if designs is None else designs
-        self.satellite, self.plants = self.designs.satellite, self.designs.plants
-        #: rates of (24) over those of the designs' release
-        self.faster = {"deg/s": 1.0, "rad/s": 180 / np.pi}[self.point["rate_unit"]]
+
+    @property
+    def satellite(self) -> Satellite:
+        """Satellite at the point."""
+        return self.designs.satellite
+
+    @property
+    def plants(self) -> dict[str, GeneralizedPlant]:
+        """Generalized plant by group."""
+        return self.designs.plants
+
+    @property
+    def faster(self) -> float:
+        """Rates of (24) over those of the designs' release."""
+        return {"deg/s": 1.0, "rad/s": 180 / np.pi}[self.point["rate_unit"]]
 
     @property
     def gains(self) -> dict[tuple[str, str], np.ndarray]:
@@ -276,7 +310,8 @@ class Study:
     def peak_momentum(self) -> float:
         """Largest angular momentum of an axis at the start of the release, N m s."""
         rates = self.faster * self.case.matrix("initial_rates")[:, 0] * np.pi / 180
-        return float(np.max(np.abs(rates) * self.satellite.inertia))
+        moments = [self.point[f"inertia_{axis}"] for axis in "xyz"]
+        return float(np.max(np.abs(rates) * moments))
 
 
 @dataclass(frozen=True)
@@ -298,7 +333,13 @@ class Question:
 
 
 def _ratio(of: str, smaller: str, larger: str) -> Callable[[Study], float]:
-    return lambda s: float(np.max(getattr(s, of)(smaller) / getattr(s, of)(larger)))
+    """Ratio of a measure of two levels, largest over the axes; of a release it is that of the designs' own."""
+
+    def value(s: Study) -> float:
+        measure = getattr(s.designs, of, None) or getattr(s, of)
+        return float(np.max(measure(smaller) / measure(larger)))
+
+    return value
 
 
 def _disturbed_ratio(s: Study) -> float:
@@ -306,15 +347,20 @@ def _disturbed_ratio(s: Study) -> float:
 
 
 def _robustness_ratio(s: Study) -> float:
-    relative = {level: s.difference(level) / s.peak_angle(level) for level in ("hinf", "h2")}
+    of = s.designs
+    relative = {level: of.difference(level) / of.peak_angle(level) for level in ("hinf", "h2")}
     return float(np.max(relative["hinf"] / relative["h2"]))
+
+
+def _difference_against(level: str) -> Callable[[Study], float]:
+    return lambda s: float(np.max(s.designs.difference("hinf") / s.designs.peak_angle(level)))
 
 
 QUESTIONS = (
     Question("scan.gamma_min", lambda s: s.designs.gamma_min(), LEVEL),
     Question("scan.h2_excess", lambda s: s.designs.h2_excess()),
     Question("scan.worst_abscissa", lambda s: s.designs.worst_abscissa()),
-    Question("scan.drawn_difference", lambda s: float(np.max(s.difference("hinf") / s.peak_angle("h2")))),
+    Question("scan.drawn_difference", _difference_against("h2")),
     Question("scan.difference_ratio", _ratio("difference", "hinf", "h2")),
     Question("scan.torque_ratio", _ratio("peak_torque", "h2", "hinf")),
     Question("scan.mixed_torque_ratio", _ratio("peak_torque", "mixed", "hinf")),
@@ -361,29 +407,34 @@ class Shared:
         return found
 
 
+def ask(case, results, question: Question, shared: Shared) -> None:
+    """Scan one quantity, and compute it at reconstruction B."""
+
+    def together(points: Sequence[Mapping]) -> list[float]:
+        return [question.value(study) for study in shared.studies(points, question.inputs)]
+
+    found = scan(
+        case, question.quantity, inputs(case, question.inputs), together=together, admissible=rigid(case),
+        samples=int(case.number("scan_samples")), seed=int(case.number("scan_seed")),
+    )  # fmt: skip
+    results.scan(found)
+    results.quantity(
+        question.quantity, question.value(Study(case, {})), lower=None, upper=None, source="reconstruction B",
+        method=f"at reconstruction B; scanned: {found.note}",
+    )  # fmt: skip
+    results.say(f"scan {question.quantity}", found.note)
+
+
 @task("scan over missing inputs")
 def missing_inputs(case, results):
     """Scan every quantity whose claims may hang on what the paper leaves out."""
-    shared, here, broken = Shared(case), Study(case, {}), []
+    shared, broken = Shared(case), []
     for question in QUESTIONS:
-
-        def together(points: Sequence[Mapping], question: Question = question) -> list[float]:
-            return [question.value(study) for study in shared.studies(points, question.inputs)]
-
-        try:
-            found = scan(
-                case, question.quantity, inputs(case, question.inputs), together=together, admissible=rigid(case),
-                samples=int(case.number("scan_samples")), seed=int(case.number("scan_seed")),
-            )  # fmt: skip
-        except ComputationError as error:
-            broken.append(str(error))
-            continue
-        results.scan(found)
-        results.quantity(
-            question.quantity, question.value(here), lower=None, upper=None, source="reconstruction B",
-            method=f"at reconstruction B; scanned: {found.note}",
-        )  # fmt: skip
-        results.say(f"scan {question.quantity}", found.note)
+        with results.apart():
+            try:
+                ask(case, results, question, shared)
+            except ComputationError as error:
+                broken.append(str(error))
     if broken:
         raise ComputationError("scan over missing inputs", "; ".join(broken))
 

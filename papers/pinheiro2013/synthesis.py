@@ -1,5 +1,7 @@
 """Synthesis of pinheiro2013: levels, limits, the LMIs (21) for both reconstructions, and what is proved of them."""
 
+from contextlib import nullcontext
+
 import numpy as np
 
 from gainsay.errors import ComputationError, InputError
@@ -18,11 +20,12 @@ PARETO = ("0.15", "0.3", "0.5", "1", "2", "5", "10", "30")
 AGREE = 1e-5
 
 
-def plants(case):
-    """Yield reconstruction, group and generalized plant."""
+def plants(case, results=None):
+    """Yield reconstruction, group and generalized plant; what one rests on is not held against the next."""
     for name in RECONSTRUCTIONS:
         for group in SEPARATE:
-            yield name, group, generalized_plant(reconstruction(case, name), group)
+            with nullcontext() if results is None else results.apart():
+                yield name, group, generalized_plant(reconstruction(case, name), group)
 
 
 def best(plant: GeneralizedPlant, gamma: float) -> Infimum:
@@ -76,7 +79,7 @@ def gain_of(found: Infimum, plant: GeneralizedPlant, gamma: float) -> np.ndarray
 @task("(20), gamma_min")
 def levels(case, results):
     """Find the infimum of the level as the norm of D11, and reach it with a closed-form gain."""
-    for name, group, plant in plants(case):
+    for name, group, plant in plants(case, results):
         least, K = mixed.gamma_min(plant), mixed.limit_gain(plant)
         norm, _ = hinf_norm(*plant.closed(K)[:4])
         results.quantity(
@@ -95,7 +98,7 @@ def levels(case, results):
 @task("the H2 limit")
 def h2_limit(case, results):
     """Solve the limit gamma to infinity by its Riccati equation; pitch against its closed form."""
-    for name, group, plant in plants(case):
+    for name, group, plant in plants(case, results):
         found = mixed.h2_design(plant)
         if abs(found.h2 / found.sqrt_trace - 1) > 1e-9:
             raise ComputationError("H2 limit", f"Riccati {found.sqrt_trace!r}, Gramian {found.h2!r}")
@@ -113,7 +116,7 @@ def h2_limit(case, results):
 @task("(21) near gamma_min")
 def limits(case, results):
     """Solve (21) at 1.001 of the infimum, where the gains forget the weights."""
-    for name, group, plant in plants(case):
+    for name, group, plant in plants(case, results):
         gamma = mixed.ABOVE * mixed.gamma_min(plant)
         K = case.designs[f"{name}_near_limit"][f"K_{group}"]
         trace_within(plant, gamma, K, best(plant, gamma))
@@ -149,19 +152,23 @@ def check_levels(case) -> None:
 @task("(21), (22)")
 def designs(case, results):
     """Hold the designs at the three levels against (21) with the sign corrected, and measure them."""
-    check_levels(case)
+    with results.apart():
+        check_levels(case)
     for name in RECONSTRUCTIONS:
-        for level, parameter in LEVELS.items():
-            design = case.designs[f"{name}_{statements.GAMMAS[level]}"]
-            gamma, K = case.number(parameter), np.zeros((3, 6))
-            for group in SEPARATE:
-                plant = generalized_plant(reconstruction(case, name), group)
-                _design(results, name, level, group, plant, gamma, design[f"K_{group}"])
-            K[np.ix_([1], [1, 4])] = design["K_pitch"]
-            K[np.ix_([0, 2], [0, 2, 3, 5])] = design["K_roll_yaw"]
-            if not np.array_equal(K, design["K"]):
-                raise ComputationError("(22)", f"designs/{design.name}.json: K is not made of K_pitch and K_roll_yaw")
-            results.say(f"(21) {name} gamma = {gamma:g}", f"pitch K = {_short(design['K_pitch'])}")
+        with results.apart():
+            for level, parameter in LEVELS.items():
+                design = case.designs[f"{name}_{statements.GAMMAS[level]}"]
+                gamma, K = case.number(parameter), np.zeros((3, 6))
+                for group in SEPARATE:
+                    plant = generalized_plant(reconstruction(case, name), group)
+                    _design(results, name, level, group, plant, gamma, design[f"K_{group}"])
+                K[np.ix_([1], [1, 4])] = design["K_pitch"]
+                K[np.ix_([0, 2], [0, 2, 3, 5])] = design["K_roll_yaw"]
+                if not np.array_equal(K, design["K"]):
+                    raise ComputationError(
+                        "(22)", f"designs/{design.name}.json: K is not made of K_pitch and K_roll_yaw"
+                    )
+                results.say(f"(21) {name} gamma = {gamma:g}", f"pitch K = {_short(design['K_pitch'])}")
 
 
 def _short(K: np.ndarray) -> str:
@@ -232,7 +239,7 @@ def certified(case, results):
 @task("(23)")
 def bounds(case, results):
     """Certify both bounds of (23) for every design."""
-    for name, group, plant in plants(case):
+    for name, group, plant in plants(case, results):
         for level, parameter in LEVELS.items():
             short = statements.GAMMAS[level]
             K = case.designs[f"{name}_{short}"][f"K_{group}"]
@@ -269,7 +276,7 @@ def gamma_min_certified(case, results):
         ),
         source="(21)",
     )  # fmt: skip
-    for name, group, plant in plants(case):
+    for name, group, plant in plants(case, results):
         K = case.designs[f"{name}_limit_{group}"]["K"]
         least = "sqrt(channels@channels.T)" if group == "pitch" else _largest_row()
         definitions = {**statements.PLANTS[group](name), "least": least}

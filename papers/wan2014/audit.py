@@ -64,11 +64,12 @@ def observability(case: Case, results: Results) -> None:
     for measured in product((0, 1), repeat=6):
         C = fmpq_mat([[int(i == j and measured[i]) for j in range(6)] for i in range(6)])
         count += observability_rank(A, C) == 6
-    results.quantity("audit.observable_outputs", count, method="rank of the observability matrix in rationals",
+    exactly = "rank of the observability matrix in rationals"
+    results.enclosed("audit.observable_outputs", Fraction(count), Fraction(count), method=exactly,
                      source="Section 4")  # fmt: skip
     rows = [[fmpq(x.numerator, x.denominator) for x in row] for row in case.printed("C").exact]
     rank = observability_rank(A, fmpq_mat(rows))
-    results.quantity("audit.observability_rank", rank, method="rank of the observability matrix in rationals",
+    results.enclosed("audit.observability_rank", Fraction(rank), Fraction(rank), method=exactly,
                      source="(39)")  # fmt: skip
     results.say("(6), (39)", f"{count} of 64 output matrices observable; (39) has rank {rank}")
 

@@ -7,6 +7,7 @@ import numpy as np
 from flint import fmpq
 
 from gainsay.errors import ComputationError
+from gainsay.exact.ball import ball, hull, lower, precision, upper
 from gainsay.proof.build import certificate
 from gainsay.statements import prove
 from gainsay.systems.delay import DelayMargin, DelaySystem
@@ -290,9 +291,12 @@ def flexible_bounds(case: Case, results: Results) -> None:
 @task("circular orbit")
 def orbit(case: Case, results: Results) -> None:
     """The orbit rate that belongs to the printed altitude."""
-    radius = case.number("earth_radius") + case.number("altitude")
-    rate = np.sqrt(case.number("earth_parameter") / radius**3)
-    results.quantity("audit.orbit_rate", rate, method="Kepler's third law", source="Numerical example")
+    rate = np.sqrt(case.number("earth_parameter") / (case.number("earth_radius") + case.number("altitude")) ** 3)
+    low, high = (case.exact("earth_radius") + altitude for altitude in case.rounded("altitude"))
+    with precision(128):
+        rates = (ball(case.exact("earth_parameter")) / hull(low, high) ** 3).sqrt()
+    results.enclosed("audit.orbit_rate", lower(rates), upper(rates), value=rate, digits=True,
+                     source="Numerical example", method="Kepler's third law")  # fmt: skip
 
 
 @task("after (1), after (5)")

@@ -66,7 +66,7 @@ JUDGED = {
     "cost": ("1250000.25", "5000.0", "reproduced", "simulated", "1250000.0", "1250000.5", "", "", ""),
     "eq14": ("0.0", "", "contradicted", "proved: Farkas' lemma for linear matrix inequalities", "", "",
              "No X, Y satisfy (14), whatever the weights.", "eq14-infeasible", ""),
-    "start": ("", "", "undetermined", "scanned 256", "38.0", "412.5",
+    "start": ("", "", "undetermined", "sampled 3 (distinct 3)", "38.0", "412.5",
               "depends on observer_start: holds at measured, fails at zero", "", "holds at 120 of 256"),
     "better": ("1250000.25", "", "contradicted", "sampled", "", "", "audit.cost = 1250000.25, lqr.cost = 900000.0", "",
                ""),

@@ -88,7 +88,7 @@ def test_a_contradiction_on_record_is_no_difference_and_its_end_is_one(clean):
 
 def test_a_claim_added_after_the_verdicts_is_a_difference(clean):
     run(clean)
-    row = "late,(9),parameter,it is 1.50 m,equal,audit.length,1.50,m,,reproduced,by hand,,,\n"
+    row = "late,(9),ordering,it is 1.50 m,equal,audit.length,1.50,m,,reproduced,by hand,,,\n"
     clean.file("claims.csv").write_text(clean.file("claims.csv").read_text() + row)
     assert items(clean) == {("verdict", "late")}
     clean.edit("claims.csv", "1.50,m,,reproduced,by hand,,,\npeak", "1.50,m,,contradicted,by hand,,gap,open\npeak")

@@ -25,14 +25,14 @@ class Tables:
         self.quantities = {q: Quantity(id=q, unit=unit, step="audit", meaning="m") for q, unit in units.items()}
 
 
-def claim(comparator="equal", published="1.50", kind="parameter", **more) -> Claim:
+def claim(comparator="equal", published="1.50", kind="ordering", **more) -> Claim:
     given = {"kind": kind, "comparator": comparator, "published": published, "quantity": "q", "unit": "m", **more}
     rest = {"id": "c", "where": "(1)", "statement": "s", "tolerance": "", "expected": "reproduced", "basis": "b"}
     return Claim(**{**rest, "note": "", **given})
 
 
-def found(value, lower=None, upper=None) -> Found:
-    return Found(value, lower, upper, "m", "s")
+def found(value, lower=None, upper=None, method="m") -> Found:
+    return Found(value, lower, upper, method, "s")
 
 
 def at_most(value, certificate="cert") -> Concluded:
@@ -146,6 +146,27 @@ def test_a_trajectory_without_an_error_bound_has_no_verdict():
     assert verdict(of, evidence(value=found(40.0, 39.9, 40.1))) == "undecided"
 
 
+@pytest.mark.parametrize("kind", ["parameter", "gain"])
+def test_a_printed_number_without_an_enclosure_has_no_verdict(kind):
+    of = claim("equal", "1.50", kind)
+    assert verdict(of, evidence(value=found(1.5))) == "failed"
+    assert verdict(of, evidence(value=found(1.51))) == "failed"  # not contradicted on the noise of a solver either
+    assert verdict(of, evidence(value=found(1.5, 1.5, 1.5))) == "reproduced"
+    assert verdict(of, evidence(value=found(1.51, 1.509, 1.511))) == "contradicted"
+
+
+def test_the_rounding_of_printed_inputs_may_explain_a_printed_number():
+    # 1.50 stands for 1.495 to 1.505: inputs that round as printed give 1.50 to 1.52, or 1.51 to 1.52
+    digits = "printed digits: a product"
+    of = claim("equal", "1.50", "parameter")
+    judged = judge(Tables(), of, evidence(value=found(1.51, 1.50, 1.52, digits)), {})
+    assert judged.verdict == "reproduced"
+    assert "rounding of the digits" in judged.note
+    assert verdict(of, evidence(value=found(1.51, 1.50, 1.52))) == "undecided"  # an error of ours explains nothing
+    assert verdict(of, evidence(value=found(1.515, 1.51, 1.52, digits))) == "contradicted"
+    assert verdict(claim("equal", "1.50", "ordering"), evidence(value=found(1.51, 1.50, 1.52, digits))) == "undecided"
+
+
 # --- proofs ---------------------------------------------------------------------------------------------------------
 
 
@@ -229,7 +250,7 @@ def test_proofs_that_exclude_each_other_decide_nothing(kind, comparator, publish
     assert verdict(claim("feasible", "", "feasibility"), both) == "failed"
 
 
-@pytest.mark.parametrize("kind", ["norm-bound", "parameter", "ordering"])
+@pytest.mark.parametrize("kind", ["norm-bound", "figure", "ordering"])
 def test_a_number_outside_what_was_proved_of_it_decides_nothing(kind):
     # Proved at least 10, computed as 1: one of the two is wrong, so `at most 5` must not come out as anything.
     assert verdict(claim("at_most", "5", kind), evidence(at_least(10), value=found(1.0))) == "failed"

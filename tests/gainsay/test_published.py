@@ -24,9 +24,10 @@ def printed(*rows):
 @pytest.fixture
 def rows(project):
     """Return the rows of the toy paper: a gain of four entries, a pole pair, and its claims."""
+    project.edit("claims.csv", "(1),ordering", "(1),parameter")
     case = project.case()
     results = Results(case, "audit")
-    results.quantity("audit.length", 1.52, method="m")
+    results.quantity("audit.length", 1.52, method="m", lower=1.52, upper=1.52)
     results.quantity("audit.other", 1.0, method="m")
     results.quantity("audit.holds", 1.0, method="m")
     value = np.array([[1.501, -2.0e-3], [0.5, 7.0]])

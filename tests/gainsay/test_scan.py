@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from gainsay.errors import ComputationError, InputError
 from gainsay.tables.models import Claim
 from gainsay.verdicts.outcome import outcome
+from gainsay.verdicts.plausible import readings
 from gainsay.verdicts.scan import Plausible, corners, fractions, sample, scan
 
 X = Plausible("x", "m", 0.0, 10.0)
@@ -166,3 +167,20 @@ def test_every_claim_on_a_quantity_says_where_to_look_closer():
     found = scanned(lambda p: p["x"], *two, claim("less_than", "other", "third")).to_json()
     turns = [outcome(of, found).boundary.holds for of in two]
     assert turns == [pytest.approx(4, abs=0.01), pytest.approx(7, abs=0.01)]
+
+
+def test_a_finite_list_of_readings_is_gone_through_one_by_one():
+    other = Plausible("other", values=(1.0, 2.0, 4.0))
+    found = scanned(lambda p: p["other"] * (2 if p["word"] == "large" else 1), inputs=(WORD, other)).to_json()
+    assert [tuple(row) for row in found["points"]] == [(w, o) for w in ("small", "large") for o in (1.0, 2.0, 4.0)]
+    said = outcome(claim("at_most", "2"), found)  # by hand: 1, 2 of the small ones and 2 of the large ones
+    assert (said.holding, said.samples, said.evidence) == (3, 6, "sampled 6 of 6 readings")
+    assert said.note.startswith("holds at 3 of 6 readings")
+    with pytest.raises(InputError, match="a list of values"):
+        readings([WORD, X])
+
+
+def test_samples_that_are_the_same_are_counted_once():
+    found = scanned(lambda p: p["x"], inputs=(X, WORD)).to_json()
+    found["points"][1], found["values"][1] = found["points"][0], found["values"][0]
+    assert outcome(claim("at_most", "2"), found).evidence == "sampled 260 (distinct 259)"

@@ -82,7 +82,7 @@ def test_unit_of_the_rates_scales_every_angle(case, study):
 
 def test_studies_of_many_points_share_designs_and_equal_those_of_one(case, study):
     shared = scans.Shared(case)
-    values = {name: scans.base(case)[name] for name in scans.RELEASE}
+    values = {name: scans.base(case, name) for name in scans.RELEASE}
     points = [values, {**values, "rate_unit": "rad/s"}, {**values, "norm_inputs": "d_alone"}]
     here, turned, alone = shared.studies(points, scans.RELEASE)
     assert here.designs is turned.designs is not alone.designs

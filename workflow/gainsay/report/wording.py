@@ -137,7 +137,7 @@ def reason(found: PaperResults, claim: Claim, row: Row, links: Sequence[Markup] 
     if links:
         return Markup("See {}.").format(listed(links))
     scan = found.scans.get(claim.id)
-    if scan and row["evidence"].startswith("scanned"):
+    if scan and row["evidence"].startswith("sampled"):
         return _scanned(scan)
     if verdict == "contradicted" and row["witness"].startswith(f"{claim.quantity} ="):
         return Markup("")  # the number itself, said already

@@ -100,7 +100,7 @@ def listing(paper, step):
 
 def made(paper, step):
     """Result files of a step that other steps read."""
-    kinds = ("quantities", "gains", "poles", "failures")
+    kinds = ("quantities", "gains", "poles", "reads", "failures")
     return [f"results/{paper}/parts/{step}.{kind}.csv" for kind in kinds] + [
         listing(paper, step)
     ]

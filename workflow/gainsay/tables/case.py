@@ -25,9 +25,11 @@ from gainsay.tables.models import (
     Quantity,
     Recorded,
     RecordedCertificate,
+    RecordedRead,
     RecordedScan,
 )
 from gainsay.tables.reading import PrintedMatrix, read_matrix, read_paper_file, read_rows
+from gainsay.tables.reads import note
 from gainsay.tables.units import to_si
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
@@ -79,6 +81,7 @@ class Case:
     not_checked : tuple of NotChecked
     recorded : mapping of quantity to Recorded
     recorded_scans : mapping of (claim, item) to RecordedScan
+    recorded_reads : mapping of (quantity, parameter) to RecordedRead
     recorded_certificates : mapping of certificate to RecordedCertificate
     designs : mapping of name to Design
         Gains that a search found.
@@ -94,6 +97,7 @@ class Case:
     not_checked: tuple[NotChecked, ...]
     recorded: Mapping[str, Recorded]
     recorded_scans: Mapping[tuple[str, str], RecordedScan]
+    recorded_reads: Mapping[tuple[str, str], RecordedRead]
     recorded_certificates: Mapping[str, RecordedCertificate]
     designs: Mapping[str, Design]
     _matrices: Mapping[str, PrintedMatrix] = field(repr=False)
@@ -118,12 +122,20 @@ class Case:
                 value=name,
                 expected=f"a {type_} of this name, since the computation needs it; there is {one_of(name, known)}",
             )
+        if row.status == "assumed":
+            note(name)
         return row
 
     def exact(self, name: str) -> Fraction:
         """Return a number in SI units as an exact rational."""
         row = self._parameter(name, "number")
         return PrintedNumber(row.value).value * to_si(row.unit)[1]
+
+    def rounded(self, name: str) -> tuple[Fraction, Fraction]:
+        """Return the ends, in SI units, of what rounds to the digits of a number as they are printed."""
+        row = self._parameter(name, "number")
+        printed, factor = PrintedNumber(row.value), to_si(row.unit)[1]
+        return printed.low * factor, printed.high * factor
 
     def number(self, name: str) -> float:
         """Return a number in SI units as the nearest double."""
@@ -221,9 +233,9 @@ def _check_parameter(row: Parameter, file: str, number: int) -> None:
             refuse("value", row.value, error.expected)
     elif row.unit != "1" and row.type != "matrix":
         refuse("unit", row.unit, "1, since only numbers and matrices have units")
-    if row.status == "assumed" and not row.plausible:
+    if row.status in ("assumed", "method") and not row.plausible:
         refuse("plausible", row.plausible, "the plausible values of what the paper leaves out")
-    if row.status != "assumed" and row.plausible:
+    if row.status not in ("assumed", "method") and row.plausible:
         refuse("plausible", row.plausible, "nothing, since the paper gives the value")
     if row.plausible and row.type == "number":
         low, dots, high = row.plausible.partition("..")
@@ -295,6 +307,7 @@ def read_case(root: Path, paper: str) -> Case:
         not_checked=tuple(read_rows(folder / "not_checked.csv", NotChecked, root).values()),
         recorded=table("recorded.csv", Recorded, "quantity", needed=False),
         recorded_scans=table("recorded_scans.csv", RecordedScan, ("claim", "item"), needed=False),
+        recorded_reads=table("recorded_reads.csv", RecordedRead, ("quantity", "parameter"), needed=False),
         recorded_certificates=table("recorded_certificates.csv", RecordedCertificate, "certificate", needed=False),
         designs=Designs(read_designs(folder, paper_file.designs, root)),
         _matrices=MappingProxyType(matrices),

@@ -128,6 +128,31 @@ def _given_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
             yield "given", f"{name}={value}", f"a number among the plausible values {row.plausible}"
 
 
+def _unsaid_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
+    """Yield what the paper leaves out and a claim's quantities read, where the claim is not conditioned on it."""
+    quantities = {claim.quantity, claim.published if claim.comparator == "less_than" else claim.quantity}
+    try:
+        given = given_of(case, claim)
+    except InputError:
+        return  # said already
+    read = {key[1] for key, row in case.recorded_reads.items() if key[0] in quantities and row.how == "read"}
+    unsaid = [f"{name}={case.parameters[name].value}" for name in sorted(read - set(given)) if name in case.parameters]
+    if unsaid:
+        wanted = f"{'; '.join(unsaid)} too, since {claim.quantity} rests on it; or a scan over its plausible values"
+        yield "given", claim.given, wanted
+    for name in sorted(read & set(given)):
+        value = case.parameters[name].value
+        if not _same(given[name], value):
+            yield "given", f"{name}={given[name]}", f"{value}, at which {claim.quantity} is computed"
+
+
+def _same(one: str, other: str) -> bool:
+    try:
+        return PrintedNumber(one).value == PrintedNumber(other).value
+    except InputError:
+        return one == other
+
+
 def _is_plausible(value: str, plausible: str) -> bool:
     low, dots, high = plausible.partition("..")
     try:
@@ -187,6 +212,7 @@ def _claim_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
         yield "quantity", claim.quantity, f"a quantity declared in quantities.csv{known}"
         return
     yield from _yes_or_no_faults(claim)
+    yield from _unsaid_faults(case, claim)
     unit = case.quantities[claim.quantity].unit
     if to_si(claim.unit)[0] != unit:
         yield "unit", claim.unit, f"{unit}, the unit of {claim.quantity}, or one that converts to it"

@@ -76,8 +76,11 @@ class Parameter(Row):
     value: Filled = Field(description="decimal digits exactly as printed, a word, or the file of a printed matrix")
     unit: Unit = Field(description="unit of the value; results are in SI")
     where: Filled = Field(description="equation, table, section or sentence of the paper")
-    status: Literal["printed", "assumed", "corrected"] = Field(description="whose number it is")
-    plausible: Text = Field(description="for what the paper leaves out: `low..high` or `a|b|c`")
+    status: Literal["printed", "assumed", "corrected", "method"] = Field(
+        description="whose number it is: the paper's, ours for what it leaves out, ours for what it misprints, or a "
+        "choice of our own method such as a seed or a number of draws"
+    )
+    plausible: Text = Field(description="for what the paper leaves out and our method: `low..high` or `a|b|c`")
     note: Text = Field(description="why this value, or what the paper prints instead")
 
 
@@ -180,6 +183,14 @@ class RecordedScan(Toleranced):
     item: ScanItem = Field(description="what the scan found")
 
 
+class RecordedRead(Row):
+    """A parameter that the paper leaves out and a computation read, on record; written by `make record` alone."""
+
+    quantity: QuantityId = Field(description="the quantity computed")
+    parameter: Name = Field(description="the parameter read")
+    how: Literal["read", "scanned"] = Field(description="read at its value in the table, or scanned over all plausible")
+
+
 class RecordedCertificate(Row):
     """What a certificate states, on record; written by `make record` alone."""
 
@@ -236,5 +247,6 @@ TABLES: dict[str, type[Row]] = {
     "not_checked.csv": NotChecked,
     "recorded.csv": Recorded,
     "recorded_scans.csv": RecordedScan,
+    "recorded_reads.csv": RecordedRead,
     "recorded_certificates.csv": RecordedCertificate,
 }

@@ -17,7 +17,8 @@ from gainsay.tables.case import Case
 from gainsay.tables.files import remove_abandoned, write_atomically, write_csv, write_json
 from gainsay.tables.listing import derived_listing, write_listing
 from gainsay.tables.reading import PrintedMatrix
-from gainsay.tables.returned import PARTS, UNDECIDED, read_returned
+from gainsay.tables.reads import apart, recording
+from gainsay.tables.returned import FROM_DIGITS, PARTS, UNDECIDED, read_returned
 
 #: whether every line of a step's log is printed too (GAINSAY_VERBOSE=1), as one wants it who works on a paper
 VERBOSE = os.environ.get("GAINSAY_VERBOSE", "") not in ("", "0")
@@ -81,6 +82,7 @@ class Results:
         self.case, self.step, self._verify = case, step, verify
         self._rows: dict[str, list[Sequence[object]]] = {part: [] for part in PARTS}
         self._seen: set[str] = set()
+        self._reads: set[str] = set()
         self._attempts: list[dict[str, object]] = []
         self._written: dict[str, str] = {}
         self._lines: list[str] = []
@@ -168,6 +170,40 @@ class Results:
         ends = [None if x is None else float(x) for x in (lower, upper)]
         self._rows["quantities"].append((quantity, float(value), unit, *ends, method, source))
 
+    def enclosed(
+        self,
+        quantity: str,
+        low: Fraction,
+        high: Fraction,
+        *,
+        method: str,
+        source: str = "",
+        value: float | None = None,
+        digits: bool = False,
+    ) -> None:
+        """Add a number by its enclosure.
+
+        Parameters
+        ----------
+        quantity : str
+            An id declared in the paper's quantities.csv.
+        low, high : Fraction
+            Exact ends, in the declared unit.
+        method, source : str
+            As in `quantity`.
+        value : float, optional
+            By default the double nearest to the middle.
+        digits : bool
+            Whether the enclosure carries the rounding of what the paper prints, so that every value in it is one of
+            which the paper may speak.
+        """
+        lower, upper = float(low), float(high)
+        lower = lower if Fraction(lower) <= low else math.nextafter(lower, -math.inf)
+        upper = upper if Fraction(upper) >= high else math.nextafter(upper, math.inf)
+        method = f"{FROM_DIGITS} {method}" if digits else method
+        value = float((low + high) / 2) if value is None else value
+        self.quantity(quantity, value, method=method, source=source, lower=lower, upper=upper)
+
     def _declared(self, quantity: str) -> str:
         """Unit of a quantity that this step is to compute, once."""
         declared = self.case.quantities.get(quantity)
@@ -178,7 +214,26 @@ class Results:
         if quantity in self._seen:
             raise ComputationError(quantity, "computed twice")
         self._seen.add(quantity)
+        self._note_reads(quantity, self._reads, "read")
         return declared.unit
+
+    def _note_reads(self, quantity: str, names: Iterable[str], how: str) -> None:
+        rows = ((quantity, name, how) for name in sorted(names))
+        self._rows["reads"] += [row for row in rows if row not in self._rows["reads"]]
+
+    @contextmanager
+    def apart(self) -> Iterator[None]:
+        """Record what is read of what the paper leaves out for the quantities and scans written inside alone.
+
+        What is read inside is not held against quantities written after it: none of them may depend on a value that was
+        computed here.
+        """
+        before = self._reads
+        try:
+            with apart(before) as self._reads:
+                yield
+        finally:
+            self._reads = before
 
     def measured(self, measures: Mapping[str, Any], source: str) -> None:
         """Add quantities measured from a log: id -> value, method, lower and upper."""
@@ -312,7 +367,9 @@ class Results:
                 self._rows["poles"].append((name, number, part, printed.text, *rounding, float(value), float(reach)))
 
     def scan(self, scan: Any) -> None:
-        """Write a scan over plausible inputs."""
+        """Write a scan over plausible inputs, with what of it was read and what was scanned over."""
+        self._note_reads(scan.quantity, {one.parameter or one.name for one in scan.inputs}, "scanned")
+        self._note_reads(scan.quantity, self._reads, "read")
         write_json(self._file(f"scans/{scan.quantity}.json"), scan.to_json())
 
     def attempt(self, where: str, content: object) -> None:
@@ -337,7 +394,8 @@ class Results:
         """
         self._said = False
         try:
-            yield
+            with recording() as self._reads:
+                yield
         except Exception as error:  # whatever broke must not hide the paper's other results
             # A table at fault is bad input; else, even where a result file is at fault, a computation of ours broke.
             if isinstance(error, InputError) and self._is_table(error.file):

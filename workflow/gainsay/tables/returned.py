@@ -19,16 +19,20 @@ GAIN_COLUMNS = (
     "range_low", "range_high",
 )  # fmt: skip
 POLE_COLUMNS = ("set", "pole", "part", "published", "rounding_low", "rounding_high", "recomputed", "radius")
+READ_COLUMNS = ("quantity", "parameter", "how")
 FAILURE_COLUMNS = ("step", "where", "task", "message")
 #: the tables of a step's results that are joined over all steps of a paper
 PARTS = {
     "quantities": QUANTITY_COLUMNS,
     "gains": GAIN_COLUMNS,
     "poles": POLE_COLUMNS,
+    "reads": READ_COLUMNS,
     "failures": FAILURE_COLUMNS,
 }
 #: what the method of a quantity begins with of which neither side could be proved; its value is nan
 UNDECIDED = "undecided:"
+#: what the method of a quantity begins with whose enclosure carries the rounding of what the paper prints
+FROM_DIGITS = "printed digits:"
 #: steps that keep records, in the order of the workflow
 STEPS = ("synthesis", "audit", "simulation", "figures", "views")
 CERTIFICATE_COLUMNS = ("certificate", "accepted", "says")

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from gainsay.tables import Case
 from gainsay.tables.models import Toleranced
 from gainsay.tables.returned import read_returned
-from gainsay.verdicts.record import certificates_of, scan_items, scans_of
+from gainsay.verdicts.record import certificates_of, reads_of, scan_items, scans_of
 from gainsay.verdicts.tolerance import allowed, share
 
 DIFFERENCE_COLUMNS = ("paper", "what", "item", "expected", "found", "note")
@@ -63,6 +63,16 @@ def _scan_differences(case: Case) -> Iterator[Difference]:
             yield case.name, "scan", what, recorded.value, text, _allowed(recorded)
 
 
+def _read_differences(case: Case) -> Iterator[Difference]:
+    """Hold what the computations read of what the paper leaves out against the record."""
+    found = reads_of(case)
+    for key in {**found, **case.recorded_reads}:
+        recorded = case.recorded_reads[key].how if key in case.recorded_reads else ""
+        if found.get(key, "") != recorded:
+            note = "what the paper leaves out and the computation read" if recorded else NEW
+            yield case.name, "input", " ".join(key), recorded, found.get(key, ""), note
+
+
 def _statement_differences(case: Case) -> Iterator[Difference]:
     """Hold what each certificate states against the record: one that states something else proves something else."""
     found = certificates_of(case)
@@ -107,6 +117,7 @@ def differences(case: Case) -> list[Difference]:
     found += _quantity_differences(case)
     found += _witness_differences(case)
     found += scan_differences(case)
+    found += _read_differences(case)
     found += _statement_differences(case)
     wanted = [f"logs/{run}.{ending}" for run in case.paper.runs for ending in ("mcap", "rrd")]
     wanted += [f"figures/{figure}.{ending}" for figure in case.paper.figures for ending in ("svg", "png")]

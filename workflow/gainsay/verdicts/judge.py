@@ -8,12 +8,17 @@ from gainsay.exact.digits import PrintedNumber
 from gainsay.tables import Case
 from gainsay.tables.lint import PROVED
 from gainsay.tables.models import Claim
+from gainsay.tables.returned import FROM_DIGITS
 from gainsay.tables.sentences import worst
 from gainsay.tables.units import to_si
 from gainsay.verdicts.criterion import criteria
 from gainsay.verdicts.evidence import Evidence, Found
 from gainsay.verdicts.outcome import Outcome
 
+#: kinds that a number alone does not decide, and what it needs
+_BOUNDED = {"trajectory": "a numerical error bound", "parameter": "an enclosure", "gain": "an enclosure"}
+#: kinds of which printed inputs may explain the printed value
+_DIGITS = ("parameter", "gain")
 #: relative rounding by which a double may lie outside the bounds proved for it
 _ROUNDING = Fraction(1, 10**6)
 
@@ -111,13 +116,17 @@ def _judge_scan(claim: Claim, scan: Outcome, found: Found | None) -> Judgement:
     verdict = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined"}[scan.outcome]
     ends = [_in_unit(claim, value) for value, _ in (scan.least, scan.greatest)]
     return Judgement(
-        verdict, evidence=f"scanned {scan.samples}", range_low=ends[0], range_high=ends[1], witness=scan.witness,
+        verdict, evidence=scan.evidence, range_low=ends[0], range_high=ends[1], witness=scan.witness,
         note=scan.note,
     )  # fmt: skip
 
 
-def _kind_of_evidence(claim: Claim) -> str:
-    return {"parameter": "enclosed", "gain": "enclosed", "trajectory": "simulated"}.get(claim.kind, "sampled")
+def _kind_of_evidence(claim: Claim, found: Found | None) -> str:
+    """Name what a number rests on: an enclosure, a run with its error bound, or doubles alone."""
+    if claim.kind == "trajectory" or (found is not None and found.source.startswith("logs/")):
+        return "simulated"
+    bounded = found is None or (found.lower is not None and found.upper is not None)
+    return "enclosed" if bounded else "computed"
 
 
 def _ends(found: Found) -> tuple[Fraction, Fraction]:
@@ -172,9 +181,9 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     if claim.kind in PROVED:
         kind = f"proved: {', '.join(sorted({c.theorem for c in used}))}" if used else "none"
     else:
-        kind = _kind_of_evidence(claim)
-        if claim.kind == "trajectory" and (found is None or found.lower is None or found.upper is None):
-            return Judgement("failed", note="a trajectory needs a numerical error bound, and none was computed")
+        kind = _kind_of_evidence(claim, found)
+        if claim.kind in _BOUNDED and (found is None or found.lower is None or found.upper is None):
+            return Judgement("failed", note=f"a {claim.kind} needs {_BOUNDED[claim.kind]}, and none was computed")
         low, high = _narrowed(low, high, found)
     value = found.value if found is not None else None
     shared = {
@@ -200,6 +209,9 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     if outcomes[0] is False and outcomes[-1]:
         witness = f"depends on the threshold, {claim.published} {claim.unit}: turns at {value}"
         return Judgement("undetermined", witness=witness, **shared)
+    if claim.kind in _DIGITS and found is not None and found.method.startswith(FROM_DIGITS) and outcomes[-1] is None:
+        note = "within the rounding of the digits that the paper prints, of its inputs and of this value"
+        return Judgement("reproduced", note=note, **shared)
     if claim.kind in PROVED:
         reason = f"no certificate decides it: proved {bounds}" if used else "no certificate decides it"
     else:

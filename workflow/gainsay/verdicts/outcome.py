@@ -47,9 +47,11 @@ class Outcome:
     ----------
     claim, quantity : str
     inputs : tuple of Plausible
-    samples, holding, at_best : int
-        Points evaluated, scattered ones and corners; those at which the claim holds, under the strictest reading of its
-        threshold and under the most lenient, which are the same where the paper prints it.
+    samples, distinct : int
+        Points evaluated, scattered ones and corners, and how many of them differ.
+    holding, at_best : int
+        Those at which the claim holds, under the strictest reading of its threshold and under the most lenient, which
+        are the same where the paper prints it.
     least, greatest : (float, Point)
         Smallest and largest value of the quantity with their inputs.
     holds_at, fails_at : (float, Point) or None
@@ -65,6 +67,7 @@ class Outcome:
     quantity: str
     inputs: tuple[Plausible, ...]
     samples: int
+    distinct: int
     holding: int
     at_best: int
     least: Pair
@@ -110,10 +113,23 @@ class Outcome:
         return f"{turns}; holds: {self._phrase(self.holds_at)}; fails: {self._phrase(self.fails_at)}"
 
     @property
+    def finite(self) -> bool:
+        """Whether every reading of a finite list was gone through."""
+        return all(one.values for one in self.inputs)
+
+    @property
+    def evidence(self) -> str:
+        """What the verdict rests on: how many samples, how many of them distinct; or every reading of a list."""
+        if self.finite:
+            return f"sampled {self.samples} of {self.samples} readings"
+        return f"sampled {self.samples} (distinct {self.distinct})"
+
+    @property
     def note(self) -> str:
         """How many samples hold, and what holding means."""
         count = str(self.holding) if self.holding == self.at_best else f"{self.holding} to {self.at_best}"
-        return f"holds at {count} of {self.samples} plausible inputs ({self.quantity} {self.criterion})"
+        of = "readings" if self.finite else "plausible inputs"
+        return f"holds at {count} of {self.samples} {of} ({self.quantity} {self.criterion})"
 
 
 class _Found(BaseModel):
@@ -209,9 +225,10 @@ def outcome(claim: Claim, scan: Mapping[str, Any]) -> Outcome:
         parts["criterion"] = f"{strict.phrase} to {lenient.phrase}"
         if at_best and holding < len(found):
             parts["turning"] = _along_the_threshold(claim, by_value[0][0], by_value[-1][0])
+    distinct = len({tuple(row) for row in scan["points"]})
     return Outcome(
-        claim.id, scan["quantity"], inputs, len(found), holding, at_best, by_value[0], by_value[-1], holds_at, fails_at,
-        boundary, **parts,
+        claim.id, scan["quantity"], inputs, len(found), distinct, holding, at_best, by_value[0], by_value[-1], holds_at,
+        fails_at, boundary, **parts,
     )  # fmt: skip
 
 

@@ -32,6 +32,8 @@ class Plausible:
         Whether the range is sampled evenly in the logarithm.
     values : tuple
         The values of a choice, instead of a range.
+    parameter : str
+        The parameter of the table that it stands for, where that has another name.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Plausible:
     high: float | None = None
     logarithmic: bool = False
     values: tuple = ()
+    parameter: str = ""
 
     def __post_init__(self) -> None:
         if self.values:
@@ -73,7 +76,10 @@ class Plausible:
     def to_json(self) -> dict[str, Any]:
         """Return what a result file says of the input."""
         ends = {"values": list(self.values)} if self.values else {"low": self.low, "high": self.high}
-        return {"name": self.name, "unit": self.unit, **ends, "logarithmic": self.logarithmic}
+        parameter = self.parameter or self.name
+        return {
+            "name": self.name, "unit": self.unit, **ends, "logarithmic": self.logarithmic, "parameter": parameter,
+        }  # fmt: skip
 
     @classmethod
     def from_json(cls, entry: Mapping[str, Any]) -> "Plausible":
@@ -177,6 +183,21 @@ def sample(
             if len(points) == samples:
                 return points
     raise AssertionError("the sequence does not end")
+
+
+def readings(inputs: Sequence[Plausible], admissible: Callable[[Mapping], bool] | None = None) -> list[Point]:
+    """Return every combination of inputs of which each has a list of values.
+
+    Raises
+    ------
+    InputError
+        If an input has a range: there is no end to its values.
+    """
+    for one in inputs:
+        if not one.values:
+            raise InputError(field=one.name, value=(one.low, one.high), expected="a list of values")
+    points = [dict(zip((p.name for p in inputs), row, strict=True)) for row in product(*(p.values for p in inputs))]
+    return [point for point in points if admissible is None or admissible(point)]
 
 
 def corners(inputs: Sequence[Plausible], admissible: Callable[[Mapping], bool] | None = None) -> list[Point]:

@@ -8,7 +8,7 @@ from gainsay.errors import ComputationError, GainsayError
 from gainsay.proof import formulas_digest, read_certificate
 from gainsay.tables import Case
 from gainsay.tables.files import cell, write_csv
-from gainsay.tables.models import Recorded, RecordedCertificate, RecordedScan, Toleranced, columns
+from gainsay.tables.models import Recorded, RecordedCertificate, RecordedRead, RecordedScan, Toleranced, columns
 from gainsay.tables.returned import read_part, read_returned
 from gainsay.tables.units import with_unit
 from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
@@ -103,6 +103,33 @@ def _scan_rows(case: Case) -> Iterator[tuple[tuple[str, ...], str]]:
             yield (claim, item, value, unit if item in ("smallest", "largest") else "1", *tolerances), line
 
 
+def reads_of(case: Case) -> dict[tuple[str, str], str]:
+    """Return how what the paper leaves out entered each quantity: (quantity, parameter) -> ``read`` or ``scanned``.
+
+    Of the quantities that a claim speaks of. What was scanned over was read as well, at every plausible value; what a
+    certificate reads counts for all that it concludes on.
+    """
+    claims = case.claims.values()
+    claimed = {c.quantity for c in claims} | {c.published for c in claims if c.comparator == "less_than"}
+    rows = sorted(read_part(case, "reads"), key=lambda row: row["how"])  # what was scanned over comes last, and counts
+    found = {(row["quantity"], row["parameter"]): row["how"] for row in rows}
+    for file in sorted({row["file"] for row in read_part(case, "files") if row["file"].startswith("certificates/")}):
+        with suppress(GainsayError):
+            certificate = read_certificate(case.results / file)
+            names = [name for name in certificate.data.get("number", {}) if name in case.assumed]
+            quantities = {conclusion.quantity for conclusion in certificate.conclusions if conclusion.quantity}
+            for key in ((quantity, name) for quantity in quantities for name in names):
+                found.setdefault(key, "read")
+    return {key: how for key, how in sorted(found.items()) if key[0] in claimed}
+
+
+def _read_rows(case: Case) -> Iterator[tuple[tuple[str, ...], str]]:
+    for (quantity, parameter), how in reads_of(case).items():
+        before = case.recorded_reads.get((quantity, parameter))
+        line = "" if before is not None and before.how == how else f"{quantity}: {parameter} {how}"
+        yield (quantity, parameter, how), line
+
+
 def _certificate_rows(case: Case) -> Iterator[tuple[tuple[str, ...], str]]:
     for certificate, formulas in certificates_of(case).items():
         before = case.recorded_certificates.get(certificate)
@@ -125,6 +152,7 @@ def record_paper(case: Case) -> Iterator[str]:
     tables = {
         "recorded": (columns(Recorded), list(_quantity_rows(case, found)), case.recorded),
         "recorded_scans": (columns(RecordedScan), list(_scan_rows(case)), case.recorded_scans),
+        "recorded_reads": (columns(RecordedRead), list(_read_rows(case)), case.recorded_reads),
         "recorded_certificates": (
             columns(RecordedCertificate), list(_certificate_rows(case)), case.recorded_certificates
         ),
@@ -133,7 +161,7 @@ def record_paper(case: Case) -> Iterator[str]:
     for name, (header, rows, before) in tables.items():
         write_csv(case.folder / f"{name}.csv", header, [row for row, _ in rows])
         lines = [line for _, line in rows if line]
-        kept = {row[:2] if name == "recorded_scans" else row[0] for row, _ in rows}
+        kept = {row[:2] if name in ("recorded_scans", "recorded_reads") else row[0] for row, _ in rows}
         lines += [
             f"{key if isinstance(key, str) else ' '.join(key)}: off the record" for key in before if key not in kept
         ]

@@ -1,6 +1,7 @@
 """A quantity over every plausible value of what a paper leaves out: sampled evenly, with where its claims turn.
 
-The samples are a Halton sequence, of low discrepancy, with a shift drawn from a seed, and the corners of the ranges.
+The samples are a Halton sequence, of low discrepancy, with a shift drawn from a seed, and the corners of the ranges; a
+finite list of readings is gone through one by one.
 What is written are values and the inputs they belong to; whether a claim holds is said where verdicts are made. A claim
 says where to look closer: two samples of which it holds at one alone are joined by changing one input at a time, and
 the input at which it turns is bisected.
@@ -17,7 +18,7 @@ from typing import Any
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.verdicts.criterion import NUMERIC, criteria
-from gainsay.verdicts.plausible import Plausible, Point, corners, distance, fractions, plausible, sample
+from gainsay.verdicts.plausible import Plausible, Point, corners, distance, fractions, plausible, readings, sample
 
 __all__ = ["Plausible", "Point", "Scan", "corners", "fractions", "plausible", "sample", "scan"]
 
@@ -69,7 +70,9 @@ class Scan:
         return {
             "quantity": self.quantity,
             "seed": self.seed,
-            "sequence": "Halton, seeded shift; and the corners of the plausible values",
+            "sequence": "every reading"
+            if all(p.values for p in self.inputs)
+            else "Halton, seeded shift; and the corners of the plausible values",
             "inputs": [p.to_json() for p in self.inputs],
             "values": [value for value, _ in self.found],
             "points": [row(point) for _, point in self.found],
@@ -136,7 +139,10 @@ def scan(
                 raise ComputationError(quantity, f"scan broke at {point}: the quantity is not a number")
         return values
 
-    points = [*sample(inputs, samples, seed, admissible), *corners(inputs, admissible)]
+    if all(one.values for one in inputs):
+        points = readings(inputs, admissible)
+    else:
+        points = [*sample(inputs, samples, seed, admissible), *corners(inputs, admissible)]
     found = list(zip(values_at(points), points, strict=True))
     parts = _HALVES if together is None else _TOGETHER
     crossings = []
