@@ -360,6 +360,7 @@ QUESTIONS = (
     Question("scan.gamma_min", lambda s: s.designs.gamma_min(), LEVEL),
     Question("scan.h2_excess", lambda s: s.designs.h2_excess()),
     Question("scan.worst_abscissa", lambda s: s.designs.worst_abscissa()),
+    Question("scan.relative_difference", _difference_against("hinf")),
     Question("scan.drawn_difference", _difference_against("h2")),
     Question("scan.difference_ratio", _ratio("difference", "hinf", "h2")),
     Question("scan.torque_ratio", _ratio("peak_torque", "h2", "hinf")),
