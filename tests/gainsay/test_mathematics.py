@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from gainsay.errors import CertificateError, InputError
 from gainsay.proof.typeset import name_tex, tex
+from gainsay.tables import mathematics
 from gainsay.tables.mathematics import COMMANDS, mathml, parts, plain
 
 MATHML = {"math", "mrow", "mi", "mn", "mo", "mtext", "mspace", "msub", "msup", "msubsup", "mfrac", "msqrt", "mroot",
@@ -138,3 +139,21 @@ def test_what_is_no_formula_is_refused(formula):
 @given(st.from_regex(r"[A-Za-z_][A-Za-z0-9_]{0,20}", fullmatch=True))
 def test_every_name_can_be_typeset(name):
     assert tags(mathml(name_tex(name))) <= MATHML
+
+
+@pytest.mark.parametrize(
+    "markup",
+    ["<script>alert(1)</script>", "<mi>x</mi>text", '<html:img xmlns:html="http://www.w3.org/1999/xhtml" src="x"/>'],
+)
+def test_only_known_elements_of_the_library_are_kept(markup, monkeypatch):
+    space = "http://www.w3.org/1998/Math/MathML"
+    monkeypatch.setattr(mathematics, "convert", lambda tex: f'<math xmlns="{space}">{markup}</math>')
+    with pytest.raises(InputError, match="mathematics alone"):
+        mathml(f"x {len(markup)}")  # a text of its own: answers are kept
+
+
+def test_only_known_attributes_of_the_library_are_kept(monkeypatch):
+    hostile = '<mi onclick="alert(1)" href="javascript:x" style="y" mathvariant="normal">x</mi>'
+    space = "http://www.w3.org/1998/Math/MathML"
+    monkeypatch.setattr(mathematics, "convert", lambda tex: f'<math xmlns="{space}">{hostile}</math>')
+    assert mathml("x attributes") == '<math><mi mathvariant="normal">x</mi></math>'

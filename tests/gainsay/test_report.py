@@ -6,6 +6,7 @@ import runpy
 import shutil
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 from urllib.parse import unquote
 from xml.etree import ElementTree as Tree
 
@@ -18,7 +19,7 @@ from gainsay.report.page import FOLDER
 from gainsay.report.pictures import data_uri
 from gainsay.report.provenance import provenance_of
 from gainsay.report.published import published_view
-from gainsay.report.wording import condition
+from gainsay.report.wording import condition, turning_point
 from gainsay.steps.report import main
 from gainsay.tables import read_case
 from gainsay.tables.models import VERDICTS
@@ -360,3 +361,11 @@ def test_digests_of_provenance_follow_the_tables(root):
 
 def test_conditions_read_as_words():
     assert condition("observer_start=exact; gravity=3.9e14") == "observer start = exact, gravity = 3.9e14"
+
+
+@pytest.mark.parametrize(("holds", "fails", "side"), [(8.94, 8.95, "below"), (8.95, 8.94, "above")])
+def test_the_side_on_which_a_claim_holds_is_told(holds, fails, side):
+    inputs = (SimpleNamespace(name="inertia_x", unit="kg m^2"),)
+    scan = SimpleNamespace(boundary=SimpleNamespace(input="inertia_x", holds=holds, fails=fails), inputs=inputs)
+    said = re.sub("<[^>]*>", "", turning_point(scan)).replace("&nbsp;", " ")
+    assert said == f"it turns where inertia x passes {holds} kg m2, and holds {side} that"
