@@ -16,7 +16,7 @@ from gainsay.systems.regions import Disk, HalfPlane
 from gainsay.tables import Case
 from gainsay.tables.results import Results, task
 from gainsay.verdicts.scan import plausible, scan
-from papers.li2021 import plant, response
+from papers.li2021 import identities, plant, response
 from papers.li2021.certify import COMPARISON, PRINTED
 from papers.li2021.proofs import PLANT
 from papers.li2021.response import FlexibleLoop
@@ -75,15 +75,26 @@ def unstable_fraction(case: Case, gains, batch: int = 20_000) -> tuple[float, fl
 
 @task("Section IV, orbit")
 def orbit(case: Case, results: Results) -> None:
-    """Rate of a 24 h orbit, and the period of the printed radius."""
+    """Rate and radius of a 24 h orbit, and the period of the printed radius."""
     with precision(128):
         rate = 2 * arb.pi() / ball(3600 * case.exact("orbit_period"))
+        radius = (ball(MU_EARTH) * (ball(3600 * case.exact("orbit_period")) / (2 * arb.pi())) ** 2).root(3)
         periods = 2 * arb.pi() * (hull(*case.rounded("orbit_radius")) ** 3 / ball(MU_EARTH)).sqrt()
     period = 2 * np.pi * np.sqrt(case.number("orbit_radius") ** 3 / float(MU_EARTH))
     results.enclosed("audit.orbital_rate", lower(rate), upper(rate), method="2 pi / 24 h", source="Section IV")
+    results.enclosed("audit.orbit_radius", lower(radius), upper(radius), source="Section IV",
+                     method="Kepler's third law, mu = 3.986004418e14 m^3/s^2")  # fmt: skip
     results.enclosed("audit.orbit_period", lower(periods), upper(periods), value=period, digits=True,
                      source="Section IV", method="Kepler's third law, mu = 3.986004418e14 m^3/s^2")  # fmt: skip
     results.say("Section IV, orbit", f"radius of 42241 km: period {period / 3600:.4f} h")
+
+
+@task("(2) to (6)")
+def kinematics(case: Case, results: Results) -> None:
+    """The rotation, the rates and the linear model as identities; the printed rotation is none."""
+    for certificate in identities.kinematics(case):
+        results.prove(certificate, source="(2) to (6)")
+    results.say("(2) to (6)", "hold with the entry (3,2) of the rotation corrected; the display after (4) has it right")
 
 
 @task("Figure 3, open loop")
@@ -338,6 +349,7 @@ def random_gains(case: Case, results: Results) -> None:
 
 TASKS = (
     orbit,
+    kinematics,
     open_loop,
     proposed,
     comparison,

@@ -1,7 +1,95 @@
-"""Certificates of the paper's algebra: factorisations, the reduction (7), Lemmas 1 and 2, and misprints."""
+"""Certificates of the paper's algebra: (2) to (6), factorisations, the reduction (7), Lemmas 1 and 2, and misprints."""
 
 from gainsay.proof import Certificate, build
 from papers.li2021.proofs import FACTORS, PLANT, full
+
+#: (2) with the entry (3,2) as printed, and as a rotation has it
+PRINTED_32, CORRECTED_32 = "-sf*cp + cf*st*cp", "-sf*cp + cf*st*sp"
+RATE = "[[1, 0, -st], [0, cf, sf*ct], [0, -sf, cf*ct]]"
+EULER_RATES = "[[dphi], [dtheta], [dpsi]]"
+#: the display after (4)
+AFTER_4 = f"({RATE}) @ {EULER_RATES} - n * [[ct*sp], [sf*st*sp + cf*cp], [cf*st*sp - sf*cp]]"
+CIRCLES = ["cf**2 + sf**2 - 1", "ct**2 + st**2 - 1", "cp**2 + sp**2 - 1"]
+#: sines and cosines to first order in angles e phi, e theta, e psi
+FIRST_ORDER = (("sf", "e*phi"), ("cf", "1"), ("st", "e*theta"), ("ct", "1"), ("sp", "e*psi"), ("cp", "1"))
+#: a point at which the relations of an identity meet, 1 for all other letters
+MEETING = {**dict.fromkeys(("sf", "st", "sp"), "3/5"), **dict.fromkeys(("cf", "ct", "cp"), "4/5"), "e": "0"}
+
+
+def rotation(entry: str) -> str:
+    """(2) with a formula for its entry (3,2)."""
+    return f"[[ct*cp, ct*sp, -st], [-cf*sp + sf*st*cp, cf*cp + sf*st*sp, sf*ct], [sf*sp + cf*st*cp, {entry}, cf*ct]]"
+
+
+def _holds(case, quantity, statement, letters, left, right, modulo=(), definitions=()) -> Certificate:
+    names = letters.split()
+    return build.certificate(
+        "identity",
+        id=quantity.replace(".", "-").replace("_", "-"),
+        paper=case.name,
+        tables=case,
+        statement=statement,
+        definitions=definitions,
+        unknowns={name: {} for name in names},
+        witness={name: MEETING.get(name, "1") for name in names} if modulo else {},
+        fields={"left": left, "right": right} | ({"modulo": list(modulo)} if modulo else {}),
+        quantities={"identity": quantity},
+    )
+
+
+def kinematics(case) -> tuple[Certificate, ...]:
+    """(2) to (6) in this order, and that (2) as printed is no rotation."""
+    R, angles = rotation(CORRECTED_32), "cf sf ct st cp sp"
+    turned = (
+        ("R", R), ("w", f"({RATE}) @ {EULER_RATES}"),
+        ("cross", "[[0, -w[2, 0], w[1, 0]], [w[2, 0], 0, -w[0, 0]], [-w[1, 0], w[0, 0], 0]]"),
+    )  # fmt: skip
+    moved = R
+    for letter, angle in (("f", "phi"), ("t", "theta"), ("p", "psi")):
+        moved = moved.replace(f"s{letter}", f"(S{letter} + e*C{letter}*d{angle})")
+        moved = moved.replace(f"c{letter}", f"(C{letter} - e*S{letter}*d{angle})")
+    moved = moved.replace("S", "s").replace("C", "c")
+    small, rates = "e phi theta psi", "dphi dtheta dpsi"
+    motion = (
+        ("w1", "e*dphi - n*e*psi"), ("w2", "e*dtheta - n"), ("w3", "e*dpsi + n*e*phi"),
+        ("v1", "e*ddphi - n*e*dpsi"), ("v2", "e*ddtheta"), ("v3", "e*ddpsi + n*e*dphi"),
+        ("g1", "-e*theta"), ("g2", "e*phi"), ("g3", "1"),
+    )  # fmt: skip
+    newton = (
+        "[[J1*v1 + (J3 - J2)*w2*w3 - 3*n**2*(J3 - J2)*g2*g3], [J2*v2 + (J1 - J3)*w3*w1 - 3*n**2*(J1 - J3)*g3*g1], "
+        "[J3*v3 + (J2 - J1)*w1*w2 - 3*n**2*(J2 - J1)*g1*g2], [v1], [v2], [v3]]"
+    )
+    six = (
+        "[[J1*ddphi - n*(J1 + J3 - J2)*dpsi + 4*n**2*(J2 - J3)*phi], [J2*ddtheta + 3*n**2*(J1 - J3)*theta], "
+        "[J3*ddpsi + n*(J1 + J3 - J2)*dphi + n**2*(J2 - J1)*psi], [ddphi - n*dpsi], [ddtheta], [ddpsi + n*dphi]]"
+    )
+    return (
+        build.certificate(
+            "different",
+            id="eq2-printed",
+            paper=case.name,
+            tables=case,
+            statement="The matrix of (2) with its entry (3,2) as printed is not orthogonal where sines are 3/5.",
+            definitions=[("R", rotation(PRINTED_32))],
+            unknowns={name: {} for name in angles.split()},
+            witness={name: MEETING[name] for name in angles.split()},
+            fields={"left": "R @ R.T", "right": "eye(3)"},
+            quantities={"identity": "eq2.printed"},
+        ),
+        _holds(case, "eq2.rotation", "(2) with cos phi sin theta sin psi in its entry (3,2) is orthogonal.", angles,
+               f"({R}) @ ({R}).T", "eye(3)", CIRCLES),
+        _holds(case, "eq2.small", "The small-angle form of (2), corrected, is (2) to first order.", small, R,
+               "[[1, e*psi, -e*theta], [-e*psi, 1, e*phi], [e*theta, -e*phi, 1]]", ["e**2"], FIRST_ORDER),
+        _holds(case, "eq3.kinematics", "With (3) the matrix R of (2), corrected, obeys dR/dt = -[w x] R.",
+               f"{angles} {rates} e", moved, "R - e * cross @ R", ["e**2", *CIRCLES], turned),
+        _holds(case, "eq4.rate", "The display after (4) is (3) less n times the second column of (2), corrected.",
+               f"{angles} {rates} n", AFTER_4, f"({RATE}) @ {EULER_RATES} - n * ({R})[0:3, 1:2]"),
+        _holds(case, "eq5.linear", "(5) is the display after (4) to first order in angles and rates.",
+               f"{small} {rates} n", AFTER_4.replace(EULER_RATES, f"(e * {EULER_RATES})"),
+               "[[e*dphi - n*e*psi], [e*dtheta - n], [e*dpsi + n*e*phi]]", ["e**2"], FIRST_ORDER),
+        _holds(case, "eq6.linear", "D, G and N-bar of (6) are (1) with (5) and the torque 3 n^2 a3 x (J a3), to first "
+               "order.", f"{small} {rates} ddphi ddtheta ddpsi n J1 J2 J3", newton, f"e * {six}", ["e**2"], motion),
+    )  # fmt: skip
 
 
 def factorisation(case, which: str) -> Certificate:

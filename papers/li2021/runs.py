@@ -81,6 +81,10 @@ def extremes(loop: FlexibleLoop, solution) -> dict[str, tuple[float, float, str]
         "settling_time": (settled, settled, "s"),
         "peak_mode": (modes.time, modes.value, "kg^0.5 m"),
         "residual_mode": (quiet.time, quiet.value, "kg^0.5 m"),
+        # what is left in the last 100 s of the largest value of the run
+        "angle_share": (residual.time, residual.value / solution.largest(angle_size).value, "1"),
+        "rate_share": (rate.time, rate.value / solution.largest(rate_size).value, "1"),
+        "mode_share": (quiet.time, quiet.value / modes.value, "1"),
     }
 
 
@@ -193,6 +197,8 @@ ALL = {
     )
 }  # fmt: skip
 
+SHARES = {key: key for key in ("angle_share", "rate_share", "mode_share")}
+
 
 def nothing(case: Case, log: Log) -> dict[str, Measured]:
     """No quantity: the campaign behind these runs is measured by the audit."""
@@ -207,7 +213,7 @@ ABOUTS = {
 }
 RUNS = (
     *(
-        RunSpec(name, periodic(name), measure(f"audit.{name}", ALL))
+        RunSpec(name, periodic(name), measure(f"audit.{name}", ALL | SHARES if name == "proposed" else ALL))
         for name, about in ABOUTS.items()
     ),
     *(

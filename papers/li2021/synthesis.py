@@ -12,7 +12,7 @@ from gainsay.systems.norms import hinf_enclosure
 from gainsay.tables import Case
 from gainsay.tables.designs import Design
 from gainsay.tables.results import Results, task
-from papers.li2021 import certify, equivalence, identities, lmis, plant, proofs
+from papers.li2021 import certify, derivations, equivalence, identities, lmis, plant, proofs
 
 
 def refutation(program: Program, where: str, results: Results) -> Mapping[str, np.ndarray]:
@@ -288,6 +288,7 @@ def tradeoff(case: Case, results: Results) -> None:
 TASKS = (
     factors,
     algebra,
+    *derivations.TASKS,
     start_ellipsoid,
     theorem2,
     theorem1,
