@@ -21,8 +21,7 @@ from gainsay.lmi import (
     symmetric,
     trace,
 )
-from gainsay.lmi.affine import Affine
-from gainsay.lmi.blocks import Definite
+from gainsay.lmi.affine import Affine, Definite
 
 
 def _count(seed, count, most):

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gainsay.lmi.affine import Affine, scalar
-from gainsay.lmi.blocks import Definite
+from gainsay.lmi.affine import Affine, Definite, scalar
 from gainsay.lmi.program import Program
 
 

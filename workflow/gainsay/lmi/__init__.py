@@ -1,7 +1,21 @@
 """Linear matrix inequalities as papers print them: named blocks, scaling inside, results that are recomputed."""
 
-from gainsay.lmi.affine import Affine, Variable, affine, diagonal, matrix, positive, scalar, sym, symmetric, trace
-from gainsay.lmi.blocks import BlockMatrix, Definite, Entrywise, Equal, block_diagonal, equal, within
+from gainsay.lmi.affine import (
+    Affine,
+    Definite,
+    Entrywise,
+    Equal,
+    Variable,
+    affine,
+    diagonal,
+    matrix,
+    positive,
+    scalar,
+    sym,
+    symmetric,
+    trace,
+)
+from gainsay.lmi.blocks import BlockMatrix, block_diagonal, equal, within
 from gainsay.lmi.interior import interior_multipliers
 from gainsay.lmi.outcomes import Farkas, Infeasible, Infimum, Solved, Unbounded, Undecided
 from gainsay.lmi.program import Check, Program, Scale

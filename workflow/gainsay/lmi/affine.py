@@ -1,4 +1,4 @@
-"""Matrix expressions that are affine in the unknowns of a matrix inequality.
+"""Matrix expressions that are affine in the unknowns of a matrix inequality, and the constraints that compare them.
 
 An expression holds its constant part and one coefficient tensor per unknown, so that it can be evaluated in plain
 numpy, scaled, and handed to a solver without a modelling layer in between; a product of two unknowns is refused where
@@ -6,6 +6,7 @@ it is written.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -119,17 +120,17 @@ class Affine:
         terms = {v: c[rows][:, columns] for v, c in self.terms.items()}
         return Affine(self.constant[rows][:, columns], terms)
 
-    def __lt__(self, other: Any) -> Any:
-        return _definite(other, self, strict=True)
+    def __lt__(self, other: Any) -> "Definite":
+        return Definite.difference(other, self, strict=True)
 
-    def __gt__(self, other: Any) -> Any:
-        return _definite(self, other, strict=True)
+    def __gt__(self, other: Any) -> "Definite":
+        return Definite.difference(self, other, strict=True)
 
-    def __le__(self, other: Any) -> Any:
-        return _definite(other, self, strict=False)
+    def __le__(self, other: Any) -> "Definite":
+        return Definite.difference(other, self, strict=False)
 
-    def __ge__(self, other: Any) -> Any:
-        return _definite(self, other, strict=False)
+    def __ge__(self, other: Any) -> "Definite":
+        return Definite.difference(self, other, strict=False)
 
 
 class Variable(Affine):
@@ -250,6 +251,74 @@ def trace(expression: Any) -> Affine:
     return Affine(np.array([[np.trace(read.constant)]]), terms)
 
 
+@dataclass(frozen=True)
+class Definite:
+    """A matrix inequality, kept as `expression` > 0 (or >= 0).
+
+    Parameters
+    ----------
+    label : str
+        Where it stands in the paper.
+    expression : Affine, shape (n, n)
+        Symmetric matrix that is to be positive.
+    strict : bool
+        Whether a margin is asked for.
+    rows : tuple of (str, int)
+        Names and sizes of the block rows.
+    """
+
+    label: str
+    expression: Affine
+    strict: bool = True
+    rows: tuple[tuple[str, int], ...] = ()
+
+    @classmethod
+    def difference(cls, larger: Any, smaller: Any, strict: bool) -> "Definite":
+        """Read ``larger > smaller``; 0 stands for the zero matrix."""
+        named = larger if hasattr(larger, "label") else smaller
+        big, small = affine(larger), affine(smaller)
+        for one, other in ((big, small), (small, big)):
+            if one.shape == (1, 1) != other.shape and one.is_constant and not one.constant.any():
+                expression = big if other is big else -small
+                break
+        else:
+            expression = big - small
+        if expression.shape[0] != expression.shape[1]:
+            raise InputError("matrix inequality", value=expression.shape, expected="a square matrix")
+        skew = expression - expression.T
+        if expression.shape[0] == 0:
+            raise InputError("matrix inequality", field=getattr(named, "label", None), expected="at least one row")
+        size = max([np.abs(expression.constant).max(), *(np.abs(c).max() for c in expression.terms.values())])
+        if max([np.abs(skew.constant).max(), *(np.abs(c).max() for c in skew.terms.values())]) > 1e-12 * size:
+            raise InputError("matrix inequality", field=getattr(named, "label", None), expected="a symmetric matrix")
+        label = getattr(named, "label", None) or getattr(named, "name", "") or "constraint"
+        rows = getattr(named, "sizes", None) or (("", expression.shape[0]),)
+        return cls(label, (expression + expression.T) / 2, strict, tuple(rows))
+
+    def named(self, label: str) -> "Definite":
+        """Return the same inequality under another name."""
+        return replace(self, label=label)
+
+
+@dataclass(frozen=True)
+class Entrywise:
+    """Every entry of `expression` (any shape) is at least zero."""
+
+    label: str
+    expression: Affine
+
+
+@dataclass(frozen=True)
+class Equal:
+    """Every entry of `expression` (any shape) is zero."""
+
+    label: str
+    expression: Affine
+
+
+Constraint = Definite | Entrywise | Equal
+
+
 def _span(index: Any, length: int) -> Any:
     return (
         slice(index, index + 1 or None) if isinstance(index, int) else index if isinstance(index, slice) else [*index]
@@ -274,9 +343,3 @@ def _spread(number: Affine, factor: Affine) -> Affine:
     terms = {v: factor.constant[:, :, None] * c for v, c in number.terms.items()}
     terms |= {v: number.constant[0, 0] * c for v, c in factor.terms.items()}
     return Affine(number.constant[0, 0] * factor.constant, terms)
-
-
-def _definite(larger: Any, smaller: Any, strict: bool) -> Any:
-    from gainsay.lmi.blocks import Definite  # constraints are built of expressions: the import would be circular
-
-    return Definite.difference(larger, smaller, strict)

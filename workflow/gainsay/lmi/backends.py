@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.affine import Definite, Entrywise, Equal
 from gainsay.lmi.scaling import Scaled
 
 

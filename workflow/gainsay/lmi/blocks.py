@@ -1,81 +1,12 @@
-"""Block matrices with named blocks, and the constraints made of them."""
+"""Block matrices with named blocks, and boxes and equations entry by entry."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from gainsay.errors import InputError
-from gainsay.lmi.affine import Affine, Variable, affine
-
-
-@dataclass(frozen=True)
-class Definite:
-    """A matrix inequality, kept as `expression` > 0 (or >= 0).
-
-    Parameters
-    ----------
-    label : str
-        Where it stands in the paper.
-    expression : Affine, shape (n, n)
-        Symmetric matrix that is to be positive.
-    strict : bool
-        Whether a margin is asked for.
-    rows : tuple of (str, int)
-        Names and sizes of the block rows.
-    """
-
-    label: str
-    expression: Affine
-    strict: bool = True
-    rows: tuple[tuple[str, int], ...] = ()
-
-    @classmethod
-    def difference(cls, larger: Any, smaller: Any, strict: bool) -> "Definite":
-        """Read ``larger > smaller``; 0 stands for the zero matrix."""
-        named = larger if hasattr(larger, "label") else smaller
-        big, small = affine(larger), affine(smaller)
-        for one, other in ((big, small), (small, big)):
-            if one.shape == (1, 1) != other.shape and one.is_constant and not one.constant.any():
-                expression = big if other is big else -small
-                break
-        else:
-            expression = big - small
-        if expression.shape[0] != expression.shape[1]:
-            raise InputError("matrix inequality", value=expression.shape, expected="a square matrix")
-        skew = expression - expression.T
-        if expression.shape[0] == 0:
-            raise InputError("matrix inequality", field=getattr(named, "label", None), expected="at least one row")
-        size = max([np.abs(expression.constant).max(), *(np.abs(c).max() for c in expression.terms.values())])
-        if max([np.abs(skew.constant).max(), *(np.abs(c).max() for c in skew.terms.values())]) > 1e-12 * size:
-            raise InputError("matrix inequality", field=getattr(named, "label", None), expected="a symmetric matrix")
-        label = getattr(named, "label", None) or getattr(named, "name", "") or "constraint"
-        rows = getattr(named, "sizes", None) or (("", expression.shape[0]),)
-        return cls(label, (expression + expression.T) / 2, strict, tuple(rows))
-
-    def named(self, label: str) -> "Definite":
-        """Return the same inequality under another name."""
-        return replace(self, label=label)
-
-
-@dataclass(frozen=True)
-class Entrywise:
-    """Every entry of `expression` (any shape) is at least zero."""
-
-    label: str
-    expression: Affine
-
-
-@dataclass(frozen=True)
-class Equal:
-    """Every entry of `expression` (any shape) is zero."""
-
-    label: str
-    expression: Affine
-
-
-Constraint = Definite | Entrywise | Equal
+from gainsay.lmi.affine import Affine, Definite, Entrywise, Equal, Variable, affine
 
 
 def within(expression: Any, low: Any, high: Any, label: str) -> tuple[Entrywise, Entrywise]:

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gainsay.lmi import backends, scaling
-from gainsay.lmi.affine import scalar
-from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.affine import Definite, Entrywise, Equal, scalar
 from gainsay.lmi.multipliers import Multipliers, System
 from gainsay.lmi.outcomes import Farkas
 from gainsay.lmi.program import Program

@@ -18,8 +18,7 @@ from gainsay.exact.definite import positive_definite
 from gainsay.exact.linear import Unsolvable, complete
 from gainsay.exact.rational import fraction_of, to_fmpq
 from gainsay.lmi import scaling
-from gainsay.lmi.affine import Affine
-from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.affine import Affine, Definite, Entrywise, Equal
 from gainsay.lmi.duality import unscaled
 from gainsay.lmi.outcomes import Farkas
 from gainsay.lmi.points import is_strict

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gainsay.lmi.affine import Affine
-from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.affine import Affine, Definite, Entrywise, Equal
 from gainsay.lmi.outcomes import Farkas
 from gainsay.lmi.points import is_strict
 from gainsay.lmi.program import Program

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from gainsay.lmi.affine import Affine, Variable, affine, scalar
-from gainsay.lmi.blocks import Definite, Entrywise, Equal, equal
+from gainsay.lmi.affine import Affine, Definite, Entrywise, Equal, Variable, affine, scalar
+from gainsay.lmi.blocks import equal
 from gainsay.lmi.outcomes import Solved
 from gainsay.lmi.program import Program, Row
 from gainsay.lmi.solving import solve

@@ -14,7 +14,7 @@ from flint import fmpq_mat
 
 from gainsay.exact.rational import to_fmpq
 from gainsay.lmi import scaling
-from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.affine import Definite, Entrywise, Equal
 from gainsay.lmi.points import is_strict
 from gainsay.lmi.rounding import RightInverse, gamma, norm, power_of_two, proved_positive
 

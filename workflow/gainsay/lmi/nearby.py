@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from gainsay.lmi import duality, scaling
-from gainsay.lmi.affine import Affine
-from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.affine import Affine, Definite, Entrywise, Equal
 from gainsay.lmi.outcomes import Solved
 from gainsay.lmi.points import proved_point
 from gainsay.lmi.program import Program

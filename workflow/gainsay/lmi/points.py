@@ -9,7 +9,7 @@ from flint import fmpq, fmpq_mat
 
 from gainsay.exact.definite import positive_semidefinite, rational_positive_definite
 from gainsay.exact.rational import to_fmpq
-from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.affine import Definite, Entrywise, Equal
 from gainsay.lmi.outcomes import Solved
 from gainsay.lmi.program import Program
 from gainsay.lmi.rounding import RightInverse, gamma, norm, power_of_two, proved_positive, residual

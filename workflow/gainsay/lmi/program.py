@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from gainsay.errors import InputError
-from gainsay.lmi.affine import Affine, Values, Variable, affine
-from gainsay.lmi.blocks import Constraint, Definite, Entrywise, Equal
+from gainsay.lmi.affine import Affine, Constraint, Definite, Entrywise, Equal, Values, Variable, affine
 
 
 class Scale:

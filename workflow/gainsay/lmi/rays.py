@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 
 from gainsay.lmi import backends, duality, points, scaling
-from gainsay.lmi.affine import Affine
-from gainsay.lmi.blocks import Definite, Entrywise, Equal
+from gainsay.lmi.affine import Affine, Definite, Entrywise, Equal
 from gainsay.lmi.program import Program
 
 

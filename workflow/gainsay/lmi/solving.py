@@ -6,8 +6,7 @@ import numpy as np
 
 from gainsay.errors import InputError
 from gainsay.lmi import backends, duality, facial, instability, large, points, scaling
-from gainsay.lmi.affine import Values
-from gainsay.lmi.blocks import Equal
+from gainsay.lmi.affine import Equal, Values
 from gainsay.lmi.constant import without_solver
 from gainsay.lmi.homogeneous import homogeneous_part
 from gainsay.lmi.nearby import closer
