@@ -3,19 +3,22 @@
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from gainsay.errors import InputError, LogError
-from gainsay.logs import Bound, Layout, Line, LogWriter, Plot, Tab, commands
+from gainsay.logs import Bound, Layout, Line, LogWriter, Plot, Tab, commands, read_log
 from gainsay.logs.demo import LAYOUT, write_demo
 from gainsay.logs.palette import rgb
 from gainsay.logs.quiet import call, quiet, rerun_binary
 from gainsay.logs.render import NotCheckedError, empty, render
+from gainsay.logs.topics import Topics
 from gainsay.logs.views import write_views
 
 
@@ -161,6 +164,36 @@ def test_a_log_of_somebody_else_is_told_as_far_as_it_goes(tmp_path, capsys):
     mine = write_demo(tmp_path / "mine.mcap", samples=11)
     assert commands.list_logs(tmp_path, str(mine)) == 0
     assert "mine.mcap: demo mine, 3000 s" in capsys.readouterr().out
+
+
+def test_the_topics_of_a_paper_are_listed_with_units_and_runs(root, tmp_path):
+    topics = Topics()
+    topics.add("spiral", read_log(root / "results/demo/logs/spiral.mcap"))
+    with LogWriter(tmp_path / "other.mcap", provenance={"about": "a | bar"}) as log:
+        log.signal("/chaser/position", {"x": "m", "y": "m", "z": "m"}, [0.0], [[1.0, 2.0, 3.0]])
+    topics.add("other", read_log(tmp_path / "other.mcap"))
+    page = topics.page("demo").splitlines()
+    assert "| `/chaser/position` | samples | `x` [m], `y` [m], `z` [m] | all |" in page
+    assert "| `/bounds/thrust_z` | bound | `lower` [N], `upper` [N] | `spiral` |" in page
+    assert "| `other` | a \\| bar |" in page
+
+
+def test_what_the_documentation_says_of_reading_back_works(root, monkeypatch):
+    """Each block of docs/logs.md, run on the demonstration log, gives the samples of the log."""
+    text = (Path(__file__).resolve().parents[2] / "docs" / "logs.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert len(blocks) == 3
+    monkeypatch.chdir(root)
+    expected = read_log(root / "results/demo/logs/spiral.mcap")["/chaser/thrust"]
+    for block in blocks:
+        found = {}
+        exec(block.replace("wan2014/logs/nominal", "demo/logs/spiral"), found)  # a page of ours
+        if "thrust" in found:
+            assert found["thrust"]["y"].tolist() == expected.column("y").tolist()
+            assert found["thrust"].attrs["units"]["y"] == "N"
+        else:
+            assert [row["y"] for row in found["rows"]] == expected.column("y").tolist()
+            assert [row["time"] for row in found["rows"]] == expected.time.tolist()
 
 
 def test_the_gallery_shows_every_run(root, monkeypatch, capsys):

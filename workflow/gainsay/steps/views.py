@@ -1,13 +1,15 @@
-"""Make every log of a paper open well: an .rrd with its blueprint and a Foxglove layout beside each .mcap."""
+"""Make every log of a paper open well: an .rrd and a Foxglove layout beside each .mcap, and a list of all topics."""
 
 import sys
 
 from gainsay.errors import ComputationError
-from gainsay.logs import Layout
+from gainsay.logs import Layout, read_log
+from gainsay.logs.topics import Topics
 from gainsay.logs.views import write_views
 from gainsay.steps.command import step_command
 from gainsay.steps.modules import paper_module
 from gainsay.tables import Case
+from gainsay.tables.files import write_atomically
 from gainsay.tables.results import Results
 
 
@@ -17,16 +19,20 @@ def views(case: Case) -> None:
     layout: Layout | None = None
     with results.task("views", "import", quiet=True):
         layout = paper_module(case, "runs").LAYOUT
+    topics = Topics()
     for run in case.paper.runs if layout is not None else ():
         path = case.results / "logs" / f"{run}.mcap"
         with results.task(run, "views"):
             path.with_suffix(".rrd").unlink(missing_ok=True)  # an old view must not stand for a log that fails now
             if not path.is_file():
                 raise ComputationError(run, "the run left no log")
+            topics.add(run, read_log(path))
             for made in write_views(path, layout):
                 derived = made.suffix == ".rrd"  # its bytes are never the same twice
                 results.made(f"logs/{made.name}", of=f"logs/{path.name}" if derived else "")
             results.say(run, f"{path.with_suffix('.rrd').name} opens with its layout")
+    write_atomically(case.results / "logs" / "README.md", topics.page(case.name))
+    results.made("logs/README.md")
     results.close()
 
 
