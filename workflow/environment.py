@@ -13,6 +13,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".venv"
 OLDEST, NEWEST = (3, 11), (3, 13)
+#: what pip and uv say where there is no network
+UNREACHED = ("NewConnectionError", "NameResolutionError", "ConnectTimeoutError", "dns error", "client error (Connect)",
+             "tcp connect error")  # fmt: skip
+LONGEST = 200  # characters shown of what a command said
 
 
 def wanted() -> str:
@@ -50,8 +54,11 @@ def run(*command: object, doing: str) -> None:
     """Run a command quietly; where it fails, say so in a line and show the end of what it said."""
     done = subprocess.run([str(part) for part in command], cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode:
-        tail = (done.stderr or done.stdout).strip().splitlines()[-3:]
-        refuse(f"setting up .venv: {doing} failed (is there a network?): " + " | ".join(tail))
+        said = done.stderr + done.stdout
+        if any(word in said for word in UNREACHED):
+            refuse(f"setting up .venv: {doing} failed: no package index can be reached; a network is needed this once")
+        tail = " | ".join(line.strip() for line in said.strip().splitlines()[-3:])
+        refuse(f"setting up .venv: {doing} failed: {tail[-LONGEST:]}")
 
 
 def pinned(name: str) -> str:
@@ -72,7 +79,19 @@ def build() -> None:
     python, uv = VENV / "bin" / "python", VENV / "bin" / "uv"
     (VENV / "uv.txt").write_text(pinned("uv"), encoding="utf-8")
     quiet = ("--quiet", "--disable-pip-version-check")
-    pip = ("-m", "pip", "install", *quiet, "--retries", "2", "--require-hashes", "-r", VENV / "uv.txt")
+    pip = (
+        "-m",
+        "pip",
+        "install",
+        *quiet,
+        "--retries",
+        "1",
+        "--timeout",
+        "10",
+        "--require-hashes",
+        "-r",
+        VENV / "uv.txt",
+    )
     run(python, *pip, doing="fetching uv")
     sync = ("pip", "sync", "--quiet", "--require-hashes", "--compile-bytecode", "--python", python, "requirements.lock")
     run(uv, *sync, doing="installing the lock")

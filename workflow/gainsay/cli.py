@@ -9,7 +9,7 @@ from pathlib import Path
 
 from gainsay import __version__
 from gainsay.errors import ComputationError, GainsayError, InputError
-from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, refuse
+from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, broken_off, refuse
 from gainsay.tables import Case, find_root, paper_names, read_case
 
 #: differences that `check --brief` names at most, so that `make` stays on a screen or two; characters of a line
@@ -296,11 +296,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if options.work is not diff and getattr(options, "project", None) is None:  # these work outside a project
             options.root = find_root(options.root)
-        return options.work(options)
+        code = options.work(options)
+        sys.stdout.flush()
+        return code
     except InputError as error:
         return refuse(error)
     except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nobody reads what is left to say
         return BAD_INPUT
+    except OSError as error:
+        return broken_off(error)
 
 
 if __name__ == "__main__":

@@ -17,8 +17,12 @@ _held: list[TextIO] = []
 
 def _opened(root: Path, name: str) -> TextIO:
     folder = root / "results"
-    folder.mkdir(exist_ok=True)
-    return (folder / name).open("a+", encoding="utf-8")
+    try:
+        folder.mkdir(exist_ok=True)
+        return (folder / name).open("a+", encoding="utf-8")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(reason, file=f"results/{name}", expected="a folder that can be written") from None
 
 
 def _owner(file: TextIO) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from gainsay.errors import InputError
 from gainsay.report import PaperResults, write_index, write_provenance
-from gainsay.steps.command import CLEAN, refuse
+from gainsay.steps.command import CLEAN, broken_off, refuse
 from gainsay.steps.holding import hold_as_step
 from gainsay.steps.page import results_of
 from gainsay.tables import find_root, read_case
@@ -65,6 +65,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         write_report(root, papers)
     except InputError as error:
         return refuse(error)
+    except OSError as error:
+        return broken_off(error)
     for found in papers:
         for lost in found.missing:
             print(f"{found.case.name}  report      {lost}")

@@ -1,0 +1,154 @@
+"""Places that cannot be written: a full disk, a results folder that is none, no temporary folder. One line each."""
+
+import errno
+import os
+import stat
+import subprocess
+import sys
+import tempfile
+import threading
+from pathlib import Path
+
+import pytest
+
+from gainsay.cli import main
+from gainsay.steps import holding
+from gainsay.steps.command import step_command
+from gainsay.tables.files import write_atomically
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def step(project, work):
+    return step_command(work, "", ["toy", "--root", str(project.root)])
+
+
+@pytest.fixture(autouse=True)
+def released():
+    """Locks that steps in this process took end with the test."""
+    before = list(holding._held)
+    yield
+    for file in holding._held[len(before) :]:
+        file.close()
+    holding._held[len(before) :] = []
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+@pytest.mark.parametrize("command", [["lint"], ["lint", "wan2014"]])
+def test_output_to_a_full_disk_is_one_line(command):
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "gainsay.cli", *command], stdout=full, stderr=subprocess.PIPE, text=True, cwd=ROOT,
+            check=False,
+        )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr == "broken off: output: no space left on device\n"
+
+
+def test_a_reader_that_goes_away_is_nothing_to_speak_of():
+    done = subprocess.Popen(
+        [sys.executable, "-m", "gainsay.cli", "lint"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=ROOT,
+    )
+    done.stdout.close()
+    assert done.stderr.read() == ""
+    done.stderr.close()
+    assert done.wait() == 2
+
+
+def test_results_that_are_no_folder_are_one_line(project, capsys):
+    (project.root / "results").write_text("")
+    assert step(project, lambda case: None) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("bad input: results/.steps: ")
+    assert said.count("\n") == 1
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write everywhere")
+def test_results_that_may_not_be_written_are_one_line(project, capsys):
+    (project.root / "results").mkdir(mode=0o500)
+    assert step(project, lambda case: None) == 2
+    assert capsys.readouterr().err == (
+        "bad input: results/.steps: permission denied: expected a folder that can be written\n"
+    )
+
+
+def test_a_full_disk_ends_a_step_in_one_line_and_leaves_the_old_file(project, capsys, monkeypatch):
+    path = project.root / "results" / "toy" / "a.csv"
+    write_atomically(path, "old")
+
+    def full(self, target):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    monkeypatch.setattr(Path, "replace", full)
+    assert step(project, lambda case: write_atomically(path, "new")) == 2
+    assert capsys.readouterr().err == f"broken off: {path}: no space left on device\n"
+    assert path.read_text() == "old"
+    assert [p.name for p in path.parent.iterdir()] == ["a.csv"]
+
+
+def test_no_temporary_folder_is_one_line(project, capsys, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(project.root / "nowhere"))
+    assert step(project, lambda case: tempfile.TemporaryFile().close()) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("broken off: ")
+    assert said.endswith("no such file or directory\n")
+    assert said.count("\n") == 1
+
+
+def test_a_command_that_cannot_write_says_so_in_one_line(project, capsys, monkeypatch):
+    def full(options):
+        """Read nothing."""
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS), "README.md")
+
+    monkeypatch.setattr("gainsay.cli.lint", full)
+    assert main(["--root", str(project.root), "lint"]) == 2
+    assert capsys.readouterr().err == "broken off: README.md: read-only file system\n"
+
+
+def test_temporary_names_are_unique_and_files_as_private_as_one_wants_them(tmp_path):
+    """Many writers of one file at once: the file is always whole, and nothing else is left."""
+    path = tmp_path / "a.csv"
+    texts = [str(n) * 50_000 for n in range(8)]
+    writers = [threading.Thread(target=write_atomically, args=(path, text)) for text in texts for _ in range(5)]
+    for writer in writers:
+        writer.start()
+    for writer in writers:
+        writer.join()
+    assert path.read_text() in texts
+    assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
+    code = "from pathlib import Path; from gainsay.tables.files import write_atomically as w; w(Path('b'), 'x')"
+    for mask, mode in ((0o022, 0o644), (0o077, 0o600), (0o002, 0o664)):
+        subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True, umask=mask)
+        assert stat.S_IMODE((tmp_path / "b").stat().st_mode) == mode
+
+
+ENVIRONMENT = """
+import runpy, subprocess, sys
+made = runpy.run_path(sys.argv[1], run_name="environment")
+code = "import sys; sys.stderr.write(sys.argv[1]); sys.exit(1)"
+made["run"](sys.executable, "-c", code, sys.argv[2], doing="fetching uv")
+"""
+
+
+@pytest.mark.parametrize(
+    ("said", "line"),
+    [
+        ("WARNING: Retrying ... NewConnectionError('<pip...>: [Errno -3] Temporary failure in name resolution')\nERROR",
+         "no package index can be reached; a network is needed this once"),
+        ("error: Failed to fetch\n  Caused by: dns error\n  Caused by: failed to lookup",
+         "no package index can be reached; a network is needed this once"),
+        ("one\ntwo\nthree\n" + "x" * 1000, "x" * 200),
+    ],
+)  # fmt: skip
+def test_set_up_says_in_one_line_what_it_needs(said, line):
+    done = subprocess.run(
+        [sys.executable, "-c", ENVIRONMENT, str(ROOT / "workflow" / "environment.py"), said],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr == f"setting up .venv: fetching uv failed: {line}\n"
+    assert len(done.stderr) < 300
