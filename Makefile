@@ -71,8 +71,8 @@ versions: environment
 	done; exit $$worst
 
 nightly: environment kernels versions
-	@GAINSAY_CHANGES=5000 $(RUN) pytest -n 2 -m slow tests/known/test_proof_changes.py
-	@GAINSAY_TABLES=3000 $(RUN) pytest -n 2 -m slow tests/gainsay/test_tables_damage.py
+	@GAINSAY_NIGHT=1 $(RUN) pytest -n 2 -m slow tests/known/test_proof_changes.py tests/gainsay/test_tables_damage.py \
+	  tests/gainsay/test_results_damage.py
 
 clean:
 	@rm -rf results/*/ results/.checked results/*.html results/*.json results/*.csv

@@ -1,8 +1,7 @@
 """Damaged tables: each copy is refused in one short line, or read as what a second reader finds in it.
 
 The second reader (`second_reading`) shares no code with ours: it cuts a table into cells character by character and
-turns digits into numbers one by one. The number of copies: 300, or the environment's GAINSAY_TABLES; the seed is part
-of the test.
+turns digits into numbers one by one. The seed is part of the test.
 """
 
 import json
@@ -23,7 +22,19 @@ from gainsay.tables.models import TABLES, columns
 from gainsay.tables.reading import read_paper_file
 
 ROOT = Path(__file__).resolve().parents[2]
-COUNT, SEED, BATCHES = int(os.environ.get("GAINSAY_TABLES", "300")), 20261125, 10
+#: what docs/robustness.md says of this campaign
+TRIED = [
+    {
+        "what": "tables of the papers",
+        "how": "bytes, digits, names, quotes, lines and codings changed; a link, a pipe, a device, a folder or nothing in "
+        "place of the file",
+        "fast": 40, "slow": 300, "night": 3000,
+        "promise": "refused in one line of at most 300 characters, or read as a second reader reads the same bytes, cell "
+        "by cell and digit by digit",
+    }
+]  # fmt: skip
+COUNT = TRIED[0]["night" if os.environ.get("GAINSAY_NIGHT") else "slow"]
+SEED, BATCHES = 20261125, 10
 PAPERS = ("li2021", "pinheiro2013", "wan2014", "zhang2013")
 
 # ---------------------------------------------------------------------------------------------------- the second reader
@@ -366,8 +377,8 @@ def campaign(tmp_path, papers, count, draw):
     return outcomes, damages
 
 
-def test_40_damaged_copies_are_refused_or_read_as_they_stand(tmp_path):
-    outcomes, _ = campaign(tmp_path, ("wan2014",), 40, random.Random(SEED))
+def test_some_damaged_copies_are_refused_or_read_as_they_stand(tmp_path):
+    outcomes, _ = campaign(tmp_path, ("wan2014",), TRIED[0]["fast"], random.Random(SEED))
     assert outcomes["refused"] > 20
     assert outcomes["read"] > 0
 
