@@ -41,8 +41,8 @@ TRIED = [
     {
         "what": "results between the steps",
         "how": "as tables; and another value somewhere in a JSON file",
-        "fast": 6, "slow": 100, "night": 1000,
-        "promise": "verdicts, compare, page, report, check and record refuse what is damaged in one line or say it, and "
+        "fast": 6, "slow": 100, "night": 300,
+        "promise": "verdicts, compare, page, report, check and record refuse what is damaged in one line or say it; "
         "every verdict, number and difference of another paper is the same",
     }
 ]  # fmt: skip

@@ -30,10 +30,10 @@ ROOT = Path(__file__).resolve().parents[2]
 TRIED = [
     {
         "what": "certificates",
-        "how": "one to three changes each, of digits, formulas, witness, conclusions, unknowns, structure or kind of proof",
+        "how": "one to three changes each, of digits, formulas, witness, conclusions, unknowns, structure or kind",
         "fast": 150, "slow": 300, "night": 5000,
-        "promise": "refused in one line, or what it concludes is still true by a second checker that shares no code with "
-        "ours",
+        "promise": "refused in one line, or what it concludes is still true by a second checker that shares no code "
+        "with ours",
     }
 ]  # fmt: skip
 COUNT = TRIED[0]["night" if os.environ.get("GAINSAY_NIGHT") else "slow"]

@@ -135,7 +135,7 @@ def _robustness(tests: Path) -> str:
     """Return the page on what was damaged, how often, and what is promised of it."""
     lines = ["| what | changed how | quick | slow | nightly | promise |", "| --- | --- | --- | --- | --- | --- |"]
     limits = [
-        f"- A message is one line of at most {LONGEST} characters, without anything that a terminal would obey.",
+        f"- A refusal of input is one line of at most {LONGEST} characters, with nothing that a terminal would obey.",
         f"- A table, a scan or a design is a regular file of at most {LARGEST} bytes; nothing else is opened.",
         "- A command ends with exit code 2 and one line where it cannot write: a full disk, a folder that is none.",
     ]
