@@ -1,7 +1,10 @@
 """What the Riccati equation says."""
 
+from flint import arb
 from scipy.linalg import solve_continuous_are
 
+from gainsay.errors import ComputationError
+from gainsay.exact.ball import lower, precision, upper
 from gainsay.proof import build
 from gainsay.tables import Case
 from gainsay.tables.results import Results, task
@@ -10,9 +13,14 @@ from papers.double_integrator.plant import FORMULAS, A, B, Q
 
 @task("(3)")
 def solution(case: Case, results: Results) -> None:
-    """The stabilising solution, by another method than the paper's."""
+    """The positive root of r^2 = 2 as a ball, held against the stabilising solution by another method."""
     P = solve_continuous_are(A, B, Q, [[1.0]])
-    results.quantity("riccati.p11", P[0, 0], method="Riccati equation by Schur vectors", source="(3)")
+    with precision(128):
+        r = arb(2).sqrt()
+    if not abs(P[0, 0] - float(r)) < 1e-9:
+        raise ComputationError("(3)", f"{P[0, 0]!r} by Schur vectors, {float(r)!r} by hand")
+    results.enclosed("riccati.p11", lower(r), upper(r), source="(3)",
+                     method="root of r^2 = 2; the Riccati equation by Schur vectors gives it too")  # fmt: skip
 
 
 @task("(2)")
