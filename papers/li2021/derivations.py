@@ -19,6 +19,7 @@ from papers.li2021.statements import (
     LOOP,
     PLANT_UNKNOWNS,
     equation_13,
+    linear_13,
 )  # fmt: skip
 
 #: P and Gamma_1 of the proof of Theorem 1
@@ -103,6 +104,8 @@ def structure(case: Case, results: Results) -> None:
     ), source="(15)")  # fmt: skip
     for divided, quantity in ((False, "eq13.eq15"), (True, "eq13.eq15_divided")):
         results.prove(bordered(case, divided, quantity), source="(13), (15), (16)")
+    for divided, quantity in ((False, "eq13.linear"), (True, "eq13.linear_divided")):
+        results.prove(linear(case, divided, quantity), source="(13)")
     results.say("proof of Theorem 1", "P > 0 if and only if S > 0 and N < 0; (15) follows from (12)")
 
 
@@ -145,6 +148,25 @@ def bordered(case: Case, divided: bool, quantity: str) -> Certificate:
             Step("F.T @ F - dm**2 * eye(12) <= 0", "F_of / dm", scale="1 / eps2"),
             Step("", f"F_to / eps2 - F @ F_of / ({weigh})", scale="eps2"),
         ],
+    )  # fmt: skip
+
+
+def linear(case: Case, divided: bool, quantity: str) -> Certificate:
+    """(13) gives the linear condition in which it is refuted."""
+    eq13, goal = equation_13(divided), linear_13(divided)
+    heights = {"1a": 6, "1b": 6, "2": 3, "3": 3, "4": 3, "5a": 6, "5b": 6, "H_in": 12, "H_out": 12}
+    heights |= {"F1_in": 6, "F2_in": 3, "F3_in": 3, "F1_out": 6, "F2_out": 3, "F3_out": 3}
+    widths = {row: heights.get(row, 3) for row in goal.rows}
+    kept = {"1a": "X", "5a": "X", "1b": "eye(6)", "2": "eye(3)", "5b": "eye(6)", "F3_in": "eye(3)"}
+    cells = [[kept[row] if row == column and row in kept else "" for column in widths] for row in heights]
+    free = f"({eq13.block('1a', '5b')}).T @ X"
+    return implication(
+        case, id=quantity.replace(".", "-").replace("_", "-"), quantity=quantity,
+        sentence="(13) gives a condition linear in X = S^-1, Y = S - N, Fb, Ch = C_f X and a free block.",
+        given=[eq13 < 0], then=goal <= 0, invertible=["X"],
+        expand={"S": "inverse(X)", "N": "inverse(X) - Y", "Ch": "Cf @ X", "Ah": free},
+        by=[Step("(13)", _rows(cells, list(heights.values()), widths)),
+            Step("", "row(C @ X, C, zeros(3, 3), zeros(3, 6), zeros(3, 6), -eye(3), zeros(3, 3))")],
     )  # fmt: skip
 
 

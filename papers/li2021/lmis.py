@@ -182,35 +182,6 @@ def theorem1_frame(model: Model, s: SimpleNamespace, label: str, S: Affine, Y: A
     return F
 
 
-def theorem1_necessary(model: Model, s: SimpleNamespace, divided: bool) -> Program:
-    """What (13) implies of X = S^-1, Y = S - N, Fb, Ch = C_f S^-1 and one free block, by the rows named below.
-
-    Rows 1a and 5a are multiplied by X, which makes the entry (1a, 5b) an unknown of its own, Ah'; so the condition is
-    linear, and its infeasibility proves that of (13), nonlinear as that is. C'C in (1,1) is its Schur complement, the
-    row "output". The rows left out, and with them gamma, eps1 and delta_m, are not needed to refute it.
-
-    Parameters
-    ----------
-    model : Model
-    s : namespace
-        Scalars of Table 1.
-    divided : bool
-        As in `theorem2`.
-    """
-    A, B, C, E, a, lam = model.A, model.B, model.C, model.E, model.a, s.lam
-    X, Y, Ch, Fb, Ah = symmetric("X", 6), symmetric("Y", 6), matrix("Ch", 3, 6), matrix("Fb", 6, 3), matrix("Ah", 6, 6)
-    ratio = model.b**2 / a
-    F = BlockMatrix("(13)", "1a", "1b", "2", "5a", "5b", "output", "F3_in")
-    F["1a", "1a"], F["1a", "1b"], F["1b", "1b"] = -ratio * X, -ratio * EYE6, -ratio * Y
-    F["1a", "output"], F["1b", "output"], F["output", "output"] = X @ C.T, C.T, -EYE3
-    F["1a", "2"], F["1b", "2"], F["2", "2"] = -E, -(Y @ E), -(lam**2) * EYE3
-    F["1a", "5a"], F["1a", "5b"] = (A @ X + B @ Ch + a * X).T, Ah.T
-    F["1b", "5a"], F["1b", "5b"] = (A + a * EYE6).T, (A + a * EYE6).T @ Y + C.T @ Fb.T
-    F["5a", "5a"], F["5a", "5b"], F["5b", "5b"] = -a * X, -a * EYE6, -a * Y
-    F["1a", "F3_in"], F["F3_in", "F3_in"] = (1 if divided else s.eps2) * Ch.T, -s.eps2 * EYE3
-    return Program(subject_to=[F < 0], label="(13)")
-
-
 def lemma4_against_lemma3(model: Model, Cf: np.ndarray, s: SimpleNamespace) -> Program:
     """(19) with given C_f and rows 1 and 2 of (12) in the structure P = [Y N; N -N], of both the rows of the rates.
 

@@ -165,35 +165,6 @@ def lemma3_bound(case, name: str, multiplier: np.ndarray, lam: str, *, quantity:
     )
 
 
-def theorem1(case, multiplier: np.ndarray, divided: bool) -> Certificate:
-    """(13) fails at Table 1's scalars, by multipliers of what it implies (`lmis.theorem1_necessary`)."""
-    names = ("a", "b", "e", "pa", "pb", "o", "f3")
-    entries = {
-        ("a", "a"): "-r*X", ("a", "b"): "-r*eye(6)", ("b", "b"): "-r*Y",
-        ("a", "o"): "X @ C.T", ("b", "o"): "C.T", ("o", "o"): "-eye(3)",
-        ("a", "e"): "-B", ("b", "e"): "-Y @ B", ("e", "e"): "-number('lambda')**2 * eye(3)",
-        ("a", "pa"): "(A0 @ X + B @ Ch + a*X).T", ("a", "pb"): "Ah.T",
-        ("b", "pa"): "(A0 + a*eye(6)).T", ("b", "pb"): "(A0 + a*eye(6)).T @ Y + C.T @ Fb.T",
-        ("pa", "pa"): "-a*X", ("pa", "pb"): "-a*eye(6)", ("pb", "pb"): "-a*Y",
-        ("a", "f3"): "Ch.T" if divided else "eps2 * Ch.T", ("f3", "f3"): "-eps2 * eye(3)",
-    }  # fmt: skip
-    reading = "dividing psi_4 and psi_5" if divided else "multiplying psi_3"
-    return build.farkas(
-        id="eq13-infeasible-divided" if divided else "eq13-infeasible",
-        paper=case.name,
-        tables=case,
-        statement=f"(13) has no solution at Table 1's scalars, eps2 read as {reading}: rows 1a and 5a times "
-        "X = S^-1, rows 1b, 2, 5b and the border with C_f are linear in X, Y = S - N, Fb, Ch = C_f X and a free block, "
-        "and infeasible, whatever gamma, eps1 and delta_m.",
-        definitions=(*PLANT, ("eps2", "number('eps2')")),
-        unknowns={**symmetric(X=6, Y=6), **full(Ch=(3, 6), Fb=(6, 3), Ah=(6, 6))},
-        fields={"constraints": [["(13)", f"{blocks(names, entries)} < 0"]]},
-        multipliers={"(13)": multiplier},
-        quantities={"feasible": "eq13.feasible_divided" if divided else "eq13.feasible"},
-        faith=("That (13), printed in part, borders (15) with the two pairs of (16) as Lemma 1 says.",),
-    )
-
-
 def lemma4_against_lemma3(case, multipliers: Mapping[str, np.ndarray]) -> Certificate:
     """(19) with the printed C_f, and (12) at lambda = 1 in the structure of Theorem 1, exclude each other."""
     top = {("a", "a"): "-r*S", ("a", "b"): "-r*S", ("b", "b"): "-r*Y", ("a", "e"): "-S @ M", ("b", "e"): "-Y @ M",

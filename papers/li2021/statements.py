@@ -5,6 +5,7 @@ and (17) are lost in the text; (13) is rebuilt from (15), (16) and Lemma 1, with
 """
 
 from gainsay.statements import Statement, matrix, positive, symmetric
+from papers.li2021.proofs import PLANT, UNCERTAIN
 
 #: (10): the matrices with a tilde and a bar, gains with their variation (Ad, Bd, Cd for A_Delta_f, ...)
 LOOP = {
@@ -21,6 +22,11 @@ LOOP_UNKNOWNS = {
 PLANT_UNKNOWNS = {
     "A": matrix(6, 6), "B1": matrix(6, 3), "B2": matrix(6, 3), "C": matrix(3, 6), "E": matrix(6, 3),
     "W0": matrix(3, 6), "Ad": matrix(6, 6), "Bd": matrix(6, 3), "Cd": matrix(3, 6),
+}  # fmt: skip
+#: names of the statements in the tables: B1 = B2 = B, and the rows of E that are not zero are those of B
+TABLES = {
+    **dict(PLANT), **dict(UNCERTAIN), "B1": "B", "B2": "B", "E": "B", "W0": "W", "g": "number('gamma')**2",
+    "lam": "number('lambda')", "eps1": "number('eps1')", "eps2": "number('eps2')", "dm": "number('delta_m')",
 }  # fmt: skip
 #: unknowns of Theorem 1, and its plant
 THEOREM_1 = {
@@ -228,3 +234,41 @@ def equation_13(divided: bool) -> Statement:
         },
         unknowns={**THEOREM_1, **UNCERTAIN_UNKNOWNS, **SCALARS, **{n: positive() for n in ("eps1", "eps2", "dm")}},
     )
+
+
+def linear_13(divided: bool) -> Statement:
+    """What rows 1a, 1b, 2, 5a, 5b and F3_in of (13) say of X = S^-1, Y = S - N, Fb, Ch = C_f X and a free block Ah.
+
+    Rows 1a and 5a are multiplied by X, and C'C is its Schur complement, the row "output": so the condition is linear,
+    and its infeasibility is that of (13), nonlinear as that is, whatever gamma, eps1 and delta_m.
+    """
+    return Statement(
+        "(13)",
+        "Theorem 1",
+        ("1a", "1b", "2", "5a", "5b", "output", "F3_in"),
+        {
+            ("1a", "1a"): "-r * X",
+            ("1a", "1b"): "-r * eye(6)",
+            ("1b", "1b"): "-r * Y",
+            ("1a", "2"): "-E",
+            ("1b", "2"): "-Y @ E",
+            ("2", "2"): "-lam**2 * eye(3)",
+            ("1a", "5a"): "(A0 @ X + B1 @ Ch + a * X).T",
+            ("1a", "5b"): "Ah.T",
+            ("1b", "5a"): "(A0 + a * eye(6)).T",
+            ("1b", "5b"): "(A0 + a * eye(6)).T @ Y + C.T @ Fb.T",
+            ("5a", "5a"): "-a * X",
+            ("5a", "5b"): "-a * eye(6)",
+            ("5b", "5b"): "-a * Y",
+            ("1a", "output"): "X @ C.T",
+            ("1b", "output"): "C.T",
+            ("output", "output"): "-eye(3)",
+            ("1a", "F3_in"): "Ch.T" if divided else "eps2 * Ch.T",
+            ("F3_in", "F3_in"): "-eps2 * eye(3)",
+        },
+        unknowns={
+            "X": symmetric(6), "Y": symmetric(6), "Ch": matrix(3, 6), "Fb": matrix(6, 3), "Ah": matrix(6, 6),
+            **{name: UNCERTAIN_UNKNOWNS[name] for name in ("A0", "B1", "C", "E")},
+            **{name: positive() for name in ("a", "r", "lam", "eps2")},
+        },
+    )  # fmt: skip

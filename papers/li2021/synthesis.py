@@ -8,11 +8,13 @@ from scipy.linalg import block_diag, solve_continuous_lyapunov
 from gainsay.errors import ComputationError
 from gainsay.lmi import Program, Solved, infimum, solve
 from gainsay.proof import build
+from gainsay.statements import Stated
 from gainsay.systems.norms import hinf_enclosure
 from gainsay.tables import Case
 from gainsay.tables.designs import Design
 from gainsay.tables.results import Results, task
 from papers.li2021 import certify, derivations, equivalence, identities, lmis, plant, proofs
+from papers.li2021.statements import EQ20, TABLES, linear_13
 
 
 def refutation(program: Program, where: str, results: Results) -> Mapping[str, np.ndarray]:
@@ -72,20 +74,14 @@ def algebra(case: Case, results: Results) -> None:
 @task("(20), (B.5)")
 def start_ellipsoid(case: Case, results: Results) -> None:
     """(20) does not bound x(0)'(S - N) x(0): a point that satisfies it and not the bound."""
-    blocks = proofs.blocks(("t", "a", "b"), {
-        ("t", "t"): "-theta", ("t", "a"): "-x0.T", ("t", "b"): "-x0.T", ("a", "a"): "-S", ("a", "b"): "-S",
-        ("b", "b"): "-Y",
-    })  # fmt: skip
-    results.certificate(build.certificate(
-        "feasible", id="eq20-no-bound", paper=case.name, tables=case,
-        statement="S > 0 and Y = S - N > S satisfy (20) for Table 1's x(0) and theta, although x(0)'Y x(0) > 2 theta: "
+    form = EQ20.defining(x0="printed('x0')", theta="number('theta')")
+    stated = Stated(case, [form <= 0, "S > 0", "N < 0", "x0.T @ (S - N) @ x0 >= 2 * theta"])
+    results.prove(build.feasible_point(
+        id="eq20-no-bound", paper=case.name, point={"S": 9999.0 * np.eye(6), "N": -np.eye(6)},
+        statement="S > 0 and N < 0 satisfy (20) for Table 1's x(0) and theta, although x(0)'(S - N) x(0) > 2 theta: "
         "(B.5) bounds xi(0)'P^-1 xi(0).",
-        definitions=(("theta", "number('theta')"), ("x0", "printed('x0')")), unknowns=proofs.symmetric(S=6, Y=6),
-        fields={"constraints": [["(20)", f"{blocks} <= 0"], ["S", "S > 0"], ["N", "Y - S > 0"],
-                                ["start", "x0.T @ Y @ x0 >= 2 * theta"]]},
-        witness={"S": 9999.0 * np.eye(6), "Y": 10000.0 * np.eye(6)}, quantities={"feasible": "eq20.without_bound"},
-    ))  # fmt: skip
-    results.quantity("eq20.without_bound", 1, method="a point with (20) and x(0)'(S - N) x(0) > 2 theta", source="(20)")
+        quantities={"feasible": "eq20.without_bound"}, **stated.parts(),
+    ), source="(20)")  # fmt: skip
     results.say("(20), (B.5)", "does not bound the start: a point satisfies it and leaves the ellipsoid")
 
 
@@ -111,11 +107,18 @@ def theorem2(case: Case, results: Results) -> None:
 @task("(13)")
 def theorem1(case: Case, results: Results) -> None:
     """Theorem 1 at Table 1's scalars, in both readings of eps2."""
-    model, scalars = lmis.Model.of(case), lmis.table1(case)
     for divided, quantity in ((False, "eq13.feasible"), (True, "eq13.feasible_divided")):
-        multipliers = refutation(lmis.theorem1_necessary(model, scalars, divided), "(13)", results)
-        results.certificate(proofs.theorem1(case, multipliers["(13)"], divided))
-        results.quantity(quantity, 0, method="Farkas multipliers of a linear consequence", source="(13), Table 1")
+        stated = Stated(case, [linear_13(divided).defining(**TABLES) <= 0], label="(13)")
+        reading = "dividing psi_4 and psi_5" if divided else "multiplying psi_3"
+        results.prove(build.farkas(
+            id="eq13-infeasible-divided" if divided else "eq13-infeasible", paper=case.name,
+            multipliers=refutation(stated.program(), "(13)", results),
+            statement=f"(13) has no solution at Table 1's scalars, eps2 read as {reading}: what it gives linear in "
+            "X = S^-1, Y = S - N, Fb, Ch = C_f X and a free block has none, whatever gamma, eps1 and delta_m.",
+            quantities={"feasible": quantity},
+            faith=("That (13), which is lost, reads as rebuilt: a condition that gives (15), as Lemma 1 says.",),
+            **stated.parts(),
+        ), source="(13), Table 1")  # fmt: skip
     results.say("(13)", "infeasible at Table 1's scalars in both readings of eps2")
 
 

@@ -195,7 +195,7 @@ def test_derivations_hold():
     kept = Kept()
     for work in derivations.TASKS:
         work(CASE, kept)
-    assert set(kept.relations.values()) == {"holds"} and len(kept.relations) == 13
+    assert set(kept.relations.values()) == {"holds"} and len(kept.relations) == 15
 
 
 def test_a_wrong_sign_is_no_derivation(monkeypatch):
