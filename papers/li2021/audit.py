@@ -18,8 +18,8 @@ from gainsay.tables.results import Results, task
 from gainsay.verdicts.scan import plausible, scan
 from papers.li2021 import identities, plant, response
 from papers.li2021.certify import COMPARISON, PRINTED
-from papers.li2021.proofs import PLANT
 from papers.li2021.response import FlexibleLoop
+from papers.li2021.statements import PLANT
 
 FORMULAS = {"proposed": PRINTED, "comparison": COMPARISON}
 LOOP = (

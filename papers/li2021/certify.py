@@ -14,7 +14,7 @@ from gainsay.errors import ComputationError
 from gainsay.lmi import Solved, solve
 from gainsay.proof import Certificate, build
 from papers.li2021 import arcs, plant, robust
-from papers.li2021.proofs import PLANT, UNCERTAIN
+from papers.li2021.statements import PLANT, UNCERTAIN
 
 #: (10) in linear fractional form; dm is the bound on the gain variation
 CHANNELS = (

@@ -1,7 +1,8 @@
 """Certificates of the paper's algebra: (2) to (6), factorisations, the reduction (7), Lemmas 1 and 2, and misprints."""
 
 from gainsay.proof import Certificate, build
-from papers.li2021.proofs import FACTORS, PLANT, full
+from papers.li2021.proofs import full
+from papers.li2021.statements import FACTORS, PLANT
 
 #: (2) with the entry (3,2) as printed, and as a rotation has it
 PRINTED_32, CORRECTED_32 = "-sf*cp + cf*st*cp", "-sf*cp + cf*st*sp"

@@ -5,40 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from gainsay.proof import Certificate, build
-
-#: (1)-(10) with the corrected Gamma_D and Gamma_G; E and W0 without their rows and columns of zeros
-PLANT = (
-    ("n", "number('orbital_rate')"),
-    ("a", "number('disk_centre')"),
-    ("b", "number('disk_radius')"),
-    ("r", "b**2 / a"),
-    ("J1", "number('J10')"),
-    ("J2", "number('J20')"),
-    ("J3", "number('J30')"),
-    ("d1", "number('inertia_share_1') * J1"),
-    ("d2", "number('inertia_share_2') * J2"),
-    ("d3", "number('inertia_share_3') * J3"),
-    ("F", "printed('F')"),
-    ("J0", "diag(J1, J2, J3)"),
-    ("M", "inverse(J0 - F.T @ F)"),
-    ("G0", "n**2 * diag(4*(J2 - J3), 3*(J1 - J3), J2 - J1)"),
-    ("turn", "[[0, 0, -1], [0, 0, 0], [1, 0, 0]]"),
-    ("D0", "n * (J1 + J3 - J2) * turn"),
-    ("A0", "[[zeros(3, 3), eye(3)], [-M @ G0, -M @ (D0 - n * F.T @ F @ turn)]]"),
-    ("B", "col(zeros(3, 3), M)"),
-    ("C", "row(eye(3), zeros(3, 3))"),
-    ("XJ", "diag(d1, d2, d3)"),
-)
-FACTORS = (
-    ("XD", "n * [[0, -d1, 0, -d3, 0, -d2], [0, 0, 0, 0, 0, 0], [d1, 0, d3, 0, d2, 0]]"),
-    ("XG", "n**2 * [[d2, 0, 0, 0, -4*d3, 0], [0, 0, 3*d1, 3*d3, 0, 0], [0, d2, 0, 0, 0, -d1]]"),
-)
-UNCERTAIN = (
-    *FACTORS,
-    ("L", "[[zeros(3, 6), zeros(3, 6)], [-M @ XG, -M @ XD]]"),
-    ("K", "diag(printed('GammaG'), printed('GammaD'))"),
-    ("W", "row(zeros(3, 3), XJ)"),
-)
+from gainsay.statements import Stated, scalar
+from papers.li2021.statements import EQ12, LOOP, PLANT, TABLES, UNCERTAIN
 
 
 def blocks(names: tuple[str, ...], entries: Mapping[tuple[str, str], str]) -> str:
@@ -194,24 +162,20 @@ def lemma4_against_lemma3(case, multipliers: Mapping[str, np.ndarray]) -> Certif
     )
 
 
-LAMBDA, LAMBDA_PASS = "number('lambda')", "number('lambda_pass')"
-PRINTED_LOOP = (
-    ("Af", "printed('Af')"), ("Bf", "printed('Bf')"), ("Cf", "printed('Cf')"),
-    ("Acl", "[[A0, B @ Cf], [Bf @ C, Af]]"), ("Bcl", "col(B, zeros(6, 3))"), ("Ccl", "row(C, zeros(3, 6))"),
-    ("Wcl", "row(zeros(3, 3), XJ, zeros(3, 6))"),
-)  # fmt: skip
+#: (10) with the printed gains and nominal A
+PRINTED_LOOP = {
+    "Af": "printed('Af')", "Bf": "printed('Bf')", "Cf": "printed('Cf')", "A": "A0", "Ad": "Af", "Bd": "Bf", "Cd": "Cf",
+}  # fmt: skip
 
 
-def analysis_blocks(lam: str, square: str | None) -> str:
-    """(12) for given gains in P, as `lmis.lemma3_analysis`; without the row of d~ where square is None."""
-    entries = {
-        ("x", "x"): "-r*P", ("x", "e"): "-P @ Bcl", ("x", "d"): "P @ Bcl", ("x", "w"): f"{lam} * (Wcl @ Acl).T",
-        ("x", "o"): "Ccl.T", ("x", "p"): "(Acl + a*eye(12)).T @ P",
-        ("e", "e"): f"-({lam})**2 * eye(3)", ("e", "w"): f"-{lam} * (Wcl @ Bcl).T",
-        ("d", "d"): f"-{square} * eye(3)", ("d", "w"): f"{lam} * (Wcl @ Bcl).T",
-        ("w", "w"): "-eye(3)", ("o", "o"): "-eye(3)", ("p", "p"): "-a*P",
-    }  # fmt: skip
-    return blocks(("x", "e", "w", "o", "p") if square is None else ("x", "e", "d", "w", "o", "p"), entries)
+def printed_gains(case, *, fails: bool) -> Stated:
+    """(12) with the printed gains: at lambda = 1 without its row of d~, or with the least gamma^2 at lambda = 3."""
+    texts = {**TABLES, **PRINTED_LOOP, **LOOP}
+    if fails:
+        rows = [row for row in EQ12.rows if row != "3"]
+        return Stated(case, [EQ12.sub(*rows).defining(**texts) < 0], label="(12)")
+    texts |= {"lam": "number('lambda_pass')", "g": "g2"}
+    return Stated(case, [EQ12.defining(unknowns={"g2": scalar()}, **texts) < 0], minimise="g2", label="(12)")
 
 
 def printed_gains_fail(case, multiplier: np.ndarray) -> Certificate:
@@ -219,13 +183,10 @@ def printed_gains_fail(case, multiplier: np.ndarray) -> Certificate:
     return build.farkas(
         id="eq12-printed-infeasible",
         paper=case.name,
-        tables=case,
         statement="With the printed gains and the paper's lambda, (12) has no solution even without its row of d~.",
-        definitions=(*PLANT, *PRINTED_LOOP),
-        unknowns=symmetric(P=12),
-        fields={"constraints": [["(12)", f"{analysis_blocks(LAMBDA, None)} < 0"]]},
         multipliers={"(12)": multiplier},
         quantities={"feasible": "eq12.printed_feasible"},
+        **printed_gains(case, fails=True).parts(),
     )
 
 
@@ -234,16 +195,10 @@ def printed_gains_pass(case, P: np.ndarray, square: float) -> Certificate:
     return build.feasible_point(
         id="eq12-printed-feasible",
         paper=case.name,
-        tables=case,
         statement="With the printed gains, nominal A and lambda = 3, (12) holds with gamma^2 = g2.",
-        definitions=(*PLANT, *PRINTED_LOOP),
-        unknowns={**symmetric(P=12), "g2": {}},
-        fields={
-            "constraints": [["(12)", f"{analysis_blocks(LAMBDA_PASS, 'g2')} < 0"]],
-            "minimise": "g2",
-        },
         point={"P": P, "g2": square},
         quantities={"objective": "lemma3.printed_gamma_min_squared"},
+        **printed_gains(case, fails=False).parts(),
     )
 
 
@@ -252,16 +207,10 @@ def printed_gains_bound(case, multiplier: np.ndarray) -> Certificate:
     return build.dual_bound(
         id="eq12-printed-bound",
         paper=case.name,
-        tables=case,
         statement="With the printed gains, nominal A and lambda = 3, (12) needs gamma^2 of at least the bound.",
-        definitions=(*PLANT, *PRINTED_LOOP),
-        unknowns={**symmetric(P=12), "g2": {}},
-        fields={
-            "constraints": [["(12)", f"{analysis_blocks(LAMBDA_PASS, 'g2')} < 0"]],
-            "minimise": "g2",
-        },
         multipliers={"(12)": multiplier},
         quantities={"objective": "lemma3.printed_gamma_min_squared"},
+        **printed_gains(case, fails=False).parts(),
     )
 
 

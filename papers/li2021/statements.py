@@ -5,7 +5,6 @@ and (17) are lost in the text; (13) is rebuilt from (15), (16) and Lemma 1, with
 """
 
 from gainsay.statements import Statement, matrix, positive, symmetric
-from papers.li2021.proofs import PLANT, UNCERTAIN
 
 #: (10): the matrices with a tilde and a bar, gains with their variation (Ad, Bd, Cd for A_Delta_f, ...)
 LOOP = {
@@ -23,6 +22,40 @@ PLANT_UNKNOWNS = {
     "A": matrix(6, 6), "B1": matrix(6, 3), "B2": matrix(6, 3), "C": matrix(3, 6), "E": matrix(6, 3),
     "W0": matrix(3, 6), "Ad": matrix(6, 6), "Bd": matrix(6, 3), "Cd": matrix(3, 6),
 }  # fmt: skip
+#: (1)-(10) with the corrected Gamma_D and Gamma_G; E and W0 without their rows and columns of zeros
+PLANT = (
+    ("n", "number('orbital_rate')"),
+    ("a", "number('disk_centre')"),
+    ("b", "number('disk_radius')"),
+    ("r", "b**2 / a"),
+    ("J1", "number('J10')"),
+    ("J2", "number('J20')"),
+    ("J3", "number('J30')"),
+    ("d1", "number('inertia_share_1') * J1"),
+    ("d2", "number('inertia_share_2') * J2"),
+    ("d3", "number('inertia_share_3') * J3"),
+    ("F", "printed('F')"),
+    ("J0", "diag(J1, J2, J3)"),
+    ("M", "inverse(J0 - F.T @ F)"),
+    ("G0", "n**2 * diag(4*(J2 - J3), 3*(J1 - J3), J2 - J1)"),
+    ("turn", "[[0, 0, -1], [0, 0, 0], [1, 0, 0]]"),
+    ("D0", "n * (J1 + J3 - J2) * turn"),
+    ("A0", "[[zeros(3, 3), eye(3)], [-M @ G0, -M @ (D0 - n * F.T @ F @ turn)]]"),
+    ("B", "col(zeros(3, 3), M)"),
+    ("C", "row(eye(3), zeros(3, 3))"),
+    ("XJ", "diag(d1, d2, d3)"),
+)
+FACTORS = (
+    ("XD", "n * [[0, -d1, 0, -d3, 0, -d2], [0, 0, 0, 0, 0, 0], [d1, 0, d3, 0, d2, 0]]"),
+    ("XG", "n**2 * [[d2, 0, 0, 0, -4*d3, 0], [0, 0, 3*d1, 3*d3, 0, 0], [0, d2, 0, 0, 0, -d1]]"),
+)
+UNCERTAIN = (
+    *FACTORS,
+    ("L", "[[zeros(3, 6), zeros(3, 6)], [-M @ XG, -M @ XD]]"),
+    ("K", "diag(printed('GammaG'), printed('GammaD'))"),
+    ("W", "row(zeros(3, 3), XJ)"),
+)
+
 #: names of the statements in the tables: B1 = B2 = B, and the rows of E that are not zero are those of B
 TABLES = {
     **dict(PLANT), **dict(UNCERTAIN), "B1": "B", "B2": "B", "E": "B", "W0": "W", "g": "number('gamma')**2",
