@@ -75,4 +75,4 @@ nightly: environment kernels versions
 	  tests/gainsay/test_results_damage.py
 
 clean:
-	@rm -rf results/*/ results/.checked results/*.html results/*.json results/*.csv
+	@rm -rf results/*/ results/.checked results/*.html results/*.json results/*.csv results/*.log

@@ -85,3 +85,15 @@ def test_the_tutorial_is_clean_in_a_project_of_its_own(tmp_path):
     assert found["riccati.p11"] == pytest.approx(math.sqrt(2), rel=1e-12)
     assert found["audit.peak"] == pytest.approx(math.sqrt((1 + math.sqrt(5)) / 2), abs=2e-4)
     assert found["run.undershoot"] == pytest.approx(math.exp(-math.pi), abs=1e-4)
+
+
+@pytest.mark.slow
+def test_the_rules_pass_snakemakes_lint_but_for_containers(tmp_path):
+    root = tmp_path / "own"
+    assert main(["new", "--project", str(root), "toy2001"]) == 0
+    done = subprocess.run(
+        [str(Path(sys.executable).parent / "snakemake"), "--workflow-profile", "none", "--lint"], cwd=root,
+        capture_output=True, text=True, check=False, timeout=120,
+    )  # fmt: skip
+    found = {line.strip() for line in (done.stdout + done.stderr).splitlines() if line.startswith("    * ")}
+    assert found == {"* Specify a conda environment or container for each rule.:"}

@@ -7,5 +7,7 @@ rule check:
         "results/report.files.csv",
     output:
         touch("results/.checked"),
+    log:
+        "results/check.log",
     shell:
-        "gainsay check --brief"
+        "gainsay check --brief 2>&1 | tee {log:q}"

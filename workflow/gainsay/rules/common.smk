@@ -74,7 +74,8 @@ ENVIRONMENT = " ".join(
 
 TEMPLATES = sorted(str(path) for path in LIBRARY.glob("gainsay/report/templates/*"))
 
-shell.prefix(f"export {ENVIRONMENT}; ")
+# A prefix of our own takes the place of Snakemake's, and with it of its options of bash.
+shell.prefix(f"set -euo pipefail; export {ENVIRONMENT}; ")
 
 
 def tables(paper):
@@ -104,3 +105,14 @@ def made(paper, step):
     return [f"results/{paper}/parts/{step}.{kind}.csv" for kind in kinds] + [
         listing(paper, step)
     ]
+
+
+def said(paper, step):
+    """The file that keeps what a step says on the terminal."""
+    return f"results/{paper}/attempts/{step}.terminal.log"
+
+
+def captioned(paper, what, file):
+    """An output that stands in `snakemake --report` with its caption."""
+    caption = LIBRARY / "gainsay" / "rules" / "captions" / f"{what}.rst"
+    return report(file, caption=str(caption), category=paper)

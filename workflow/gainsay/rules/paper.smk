@@ -12,12 +12,14 @@ for paper in ALL:
                 code=sources(ROOT, step, paper),
             output:
                 made(paper, step),
+            log:
+                said(paper, step),
             params:
                 paper=paper,
                 step=step,
                 columns=table_digest(ROOT, paper),
             shell:
-                "python -m gainsay.steps.{params.step} {params.paper:q}"
+                "python -m gainsay.steps.{params.step} {params.paper:q} 2>&1 | tee {log:q}"
 
     rule:
         name:
@@ -31,10 +33,12 @@ for paper in ALL:
             code=sources(ROOT, "figures", paper),
         output:
             made(paper, "figures"),
+        log:
+            said(paper, "figures"),
         params:
             paper=paper,
         shell:
-            "python -m gainsay.steps.figures {params.paper:q}"
+            "python -m gainsay.steps.figures {params.paper:q} 2>&1 | tee {log:q}"
 
     rule:
         name:
@@ -44,10 +48,12 @@ for paper in ALL:
             code=sources(ROOT, "views", paper),
         output:
             made(paper, "views"),
+        log:
+            said(paper, "views"),
         params:
             paper=paper,
         shell:
-            "python -m gainsay.steps.views {params.paper:q}"
+            "python -m gainsay.steps.views {params.paper:q} 2>&1 | tee {log:q}"
 
     rule:
         name:
@@ -70,14 +76,16 @@ for paper in ALL:
                     "reads",
                     "failures",
                     "certificates",
-                    "verdicts",
                 )
             ],
+            captioned(paper, "verdicts", f"results/{paper}/verdicts.csv"),
             listing(paper, "verdicts"),
+        log:
+            said(paper, "verdicts"),
         params:
             paper=paper,
         shell:
-            "python -m gainsay.steps.verdicts {params.paper:q}"
+            "python -m gainsay.steps.verdicts {params.paper:q} 2>&1 | tee {log:q}"
 
     rule:
         name:
@@ -95,13 +103,15 @@ for paper in ALL:
             quantities=f"papers/{paper}/quantities.csv",
             code=sources(ROOT, "compare", paper),
         output:
-            f"results/{paper}/published.csv",
-            f"results/{paper}/differences.csv",
+            captioned(paper, "published", f"results/{paper}/published.csv"),
+            captioned(paper, "differences", f"results/{paper}/differences.csv"),
             listing(paper, "compare"),
+        log:
+            said(paper, "compare"),
         params:
             paper=paper,
         shell:
-            "python -m gainsay.steps.compare {params.paper:q}"
+            "python -m gainsay.steps.compare {params.paper:q} 2>&1 | tee {log:q}"
 
     rule:
         name:
@@ -113,12 +123,14 @@ for paper in ALL:
             lock=sorted(map(str, Path().glob("requirements.lock"))),
             templates=TEMPLATES,
         output:
-            f"results/{paper}/index.html",
+            captioned(paper, "page", f"results/{paper}/index.html"),
             listing(paper, "page"),
+        log:
+            said(paper, "page"),
         params:
             paper=paper,
         shell:
-            "python -m gainsay.steps.page {params.paper:q}"
+            "python -m gainsay.steps.page {params.paper:q} 2>&1 | tee {log:q}"
 
     rule:
         name:
@@ -127,7 +139,9 @@ for paper in ALL:
             listing(paper, "page"),
         output:
             touch(f"results/{paper}/.checked"),
+        log:
+            said(paper, "check"),
         params:
             paper=paper,
         shell:
-            "gainsay check --brief {params.paper:q}"
+            "gainsay check --brief {params.paper:q} 2>&1 | tee {log:q}"

@@ -12,7 +12,9 @@ rule report:
         "results/published.csv",
         "results/differences.csv",
         "results/report.files.csv",
+    log:
+        "results/report.log",
     params:
         papers=ALL,
     shell:
-        "python -m gainsay.steps.report {params.papers:q}"
+        "python -m gainsay.steps.report {params.papers:q} 2>&1 | tee {log:q}"
