@@ -75,7 +75,8 @@ def build() -> None:
     """Make the environment: uv by pip and its hash, everything else by uv in a sixth of pip's time."""
     shutil.rmtree(VENV, ignore_errors=True)
     print("setting up .venv", flush=True)
-    run(sys.executable, "-m", "venv", VENV, doing="making it")
+    # In an activated environment `python3` is the one that has just been removed; what it was made from still stands.
+    run(sys._base_executable, "-m", "venv", VENV, doing="making it")
     python, uv = VENV / "bin" / "python", VENV / "bin" / "uv"
     (VENV / "uv.txt").write_text(pinned("uv"), encoding="utf-8")
     quiet = ("--quiet", "--disable-pip-version-check")

@@ -88,7 +88,7 @@ from gainsay.figures import FigureSpec, curves, finish, panels
 def draw(figure, logs, case):
     (panel,) = panels(figure, ["Thrust [N]"])
     curves(panel, logs["nominal"], "/thrust", ("x",), until=5.0)
-    finish(panel)
+    finish(figure, [panel])
 
 
 FIGURES = (FigureSpec("figure_1", ("nominal",), draw),)
