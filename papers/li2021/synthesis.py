@@ -152,7 +152,8 @@ def least_gamma(case: Case, results: Results, lam: str, uncertain: bool, quantit
     """Least gamma of (12) over all gains, with a certificate on each side."""
     model = lmis.Model.of(case)
     eps1 = case.number("eps1") if uncertain else None
-    found = infimum(lmis.lemma3_synthesis(model, float(lam), eps1=eps1)).need("(12)")
+    program = lmis.lemma3_synthesis(model, float(lam), eps1=eps1)
+    found = infimum(program, margins=(1e-7, 1e-8, 1e-9)).need("(12)")
     results.attempt("(12)", list(found.attempts))
     square = f"{quantity}_squared"
     results.certificate(proofs.lemma3_point(

@@ -229,7 +229,7 @@ def _limit(margins: tuple[float, ...], bounds: list[float]) -> float:
 
 
 def infimum(
-    program: Program, margins: tuple[float, ...] = (1e-7, 1e-8, 1e-9), near: Values | None = None
+    program: Program, margins: tuple[float, ...] | None = None, near: Values | None = None
 ) -> Infimum | Infeasible | Unbounded | Undecided:
     """Enclose the infimum of a program between a proved point and proved multipliers.
 
@@ -238,6 +238,7 @@ def infimum(
     program : Program
     margins : tuple of float, optional
         Margins tried, from wide to narrow, for the points and for the multipliers; what fails its check is not used.
+        Ask for one where a point or multipliers are to be rounded: a large program has none of its own accord.
     near : mapping, optional
         As in `solve`.
 
@@ -246,7 +247,7 @@ def infimum(
     InputError
         If no margin is given.
     """
-    if not margins:
+    if margins == ():
         raise InputError("infimum", field="margins", value=margins, expected="at least one")
     solved, last = _solve(program, near, 4, _MOST_FACES)
     if not isinstance(solved, Solved):
@@ -266,7 +267,7 @@ def _told(program: Program, point: Solved) -> Solved:
     return told
 
 
-def _enclosed(program: Program, solved: Solved, margins: tuple[float, ...]) -> Infimum | Undecided:
+def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None) -> Infimum | Undecided:
     attempts = list(solved.attempts)
     if not program.cost.any() or not program.constraints:
         value = float(program.objective.constant[0, 0])
@@ -276,7 +277,8 @@ def _enclosed(program: Program, solved: Solved, margins: tuple[float, ...]) -> I
     attempts.append({**flat.record, "aim": "infimum", "objective": flat.primal * scale.cost})
     if flat.x is None:
         return Undecided(program.label, tuple(attempts), "a point, and no optimum")
-    if large.is_large(program):
+    margins = _MARGINS if asked is None else asked
+    if asked is None and large.is_large(program):
         found = large.enclosed(program, scale, solved, flat, attempts)
         if found is not None:
             return found
@@ -305,6 +307,7 @@ def _enclosed(program: Program, solved: Solved, margins: tuple[float, ...]) -> I
     return Infimum(value, lower, upper, program.values(sharp), best, proof, tuple(attempts))
 
 
+_MARGINS = (1e-7, 1e-8, 1e-9)
 # least relative eigenvalues kept of multipliers at an optimum that has no interior ones
 _CUTS = (1e-6, 1e-4, 1e-8)
 # widest enclosure, relative to the size of the objective, within which a value is given

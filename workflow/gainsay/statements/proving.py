@@ -6,12 +6,15 @@ from typing import Any
 import numpy as np
 
 from gainsay.errors import CertificateError, ComputationError
-from gainsay.lmi import Infeasible, Infimum, Solved, interior_multipliers
+from gainsay.lmi import Infeasible, Infimum, Solved, infimum, interior_multipliers
 from gainsay.proof import Certificate, build
 from gainsay.statements.program import Stated
 from gainsay.tables.results import Results
 
 __all__ = ["above", "below", "enclose", "prove"]
+
+# margin of multipliers that are to survive rounding
+_WIDE = (1e-7,)
 
 
 def prove(
@@ -118,15 +121,26 @@ def below(
     case: Any, quantity: str, stated: Stated, multipliers: Mapping[str, Any], *, sentence: str, id: str, **more: Any
 ) -> Certificate:
     """Certificate that multipliers bound the infimum of the program from below; parameters as for `above`."""
-    return build.dual_bound(
-        id=id,
-        paper=case.name,
-        statement=f"Multipliers bound the infimum of {sentence} from below.",
-        multipliers=_multipliers(stated, multipliers),
-        quantities={"objective": quantity},
-        **stated.parts(),
-        **more,
-    )
+
+    def made(weights: Mapping[str, Any]) -> Certificate:
+        return build.dual_bound(
+            id=id,
+            paper=case.name,
+            statement=f"Multipliers bound the infimum of {sentence} from below.",
+            multipliers=_multipliers(stated, weights),
+            quantities={"objective": quantity},
+            **stated.parts(),
+            **more,
+        )
+
+    try:
+        return made(multipliers)
+    except CertificateError:
+        # others further inside their cones, which lose a little of the bound and survive rounding
+        wider = infimum(stated.program(), margins=_WIDE)
+        if not isinstance(wider, Infimum) or not wider.multipliers:
+            raise
+        return made(wider.multipliers)
 
 
 def enclose(
