@@ -310,6 +310,44 @@ def model_errors(case: Case, end: float = 3000.0) -> dict[str, float]:
     }
 
 
+@task("(2)")
+def first_order(case: Case, results: Results) -> None:
+    """Prove that (2) is the linearised motion about an elliptic orbit to first order in e."""
+    w, a = "rate", "acceleration"
+    results.prove(
+        build.certificate(
+            "identity",
+            id="eq2-first-order",
+            paper=case.name,
+            tables=case,
+            statement="The rows of the accelerations in A + Delta A of (2) are those of the motion linearised about an "
+            "elliptic orbit, to first order in e (s = sin M, c = cos M).",
+            unknowns={"e": {}, "n": {}, "s": {}, "c": {}},
+            definitions=(
+                # r = a (1 - e c); g = mu / r^3; rate of the true anomaly n (a/r)^2, its derivative -2 e n^2 s
+                ("inverse_radius", "1 + e*c"),
+                ("g", "n**2 * inverse_radius**3"),
+                ("rate", "n * inverse_radius**2"),
+                ("acceleration", "-2*e*n**2*s"),
+                ("row_x", "[[3*n**2 + 10*e*n**2*c, -2*e*n**2*s, 0, 0, 2*n + 4*e*n*c, 0]]"),
+                ("row_y", "[[2*e*n**2*s, e*n**2*c, 0, -2*n - 4*e*n*c, 0, 0]]"),
+                ("row_z", "[[0, 0, -n**2 - 3*e*n**2*c, 0, 0, 0]]"),
+            ),
+            fields={
+                "left": "col(row_x, row_y, row_z)",
+                "right": f"col([[{w}**2 + 2*g, {a}, 0, 0, 2*{w}, 0]], [[-{a}, {w}**2 - g, 0, -2*{w}, 0, 0]], "
+                "[[0, 0, -g, 0, 0, 0]])",
+                "modulo": ["e**2"],
+            },
+            witness={"e": "0", "n": "1", "s": "0", "c": "1"},
+            quantities={"identity": "eq2.first_order"},
+            faith=("That r = a (1 - e cos M) to first order in e, from Kepler's equation.",),
+        ),
+        source="(2)",
+    )
+    results.say("(2)", "has every term of first order in e")
+
+
 @task("(1), (2)")
 def model_accuracy(case: Case, results: Results) -> None:
     """Set model (1) and the model of a circular orbit beside the two-body problem."""
@@ -323,6 +361,7 @@ TASKS = (
     mean_motion,
     observability,
     factorisation,
+    first_order,
     model_accuracy,
     observer_poles,
     feedback_poles,

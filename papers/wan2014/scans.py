@@ -182,7 +182,6 @@ READINGS: dict[str, Callable[[Flight, Flight], float]] = {
     "audit.error_settling_share": lambda f, exact: f.settling_share,
     "audit.final_range": lambda f, exact: f.final_range,
     "audit.final_speed": lambda f, exact: f.final_speed,
-    "audit.range_3000s": lambda f, exact: f.range_3000s,
     "audit.fluctuation_share": lambda f, exact: exact.fluctuation / f.fluctuation,
 }
 

@@ -28,6 +28,10 @@ ENCLOSED = "semidefinite program; enclosed by a point and by multipliers, proved
 BETWEEN = "upper end certified, lower end by multipliers proved for the program in doubles"
 
 
+#: widths of enclosures, relative, that are wider than what solvers reach and on record as tolerances
+ROOM, BOX_ROOM = 1e-6, 1e-4
+
+
 def _found(results: Results, where: str, stated: Stated) -> Infimum:
     """Infimum of a program, its attempts kept."""
     found = stated.infimum()
@@ -35,10 +39,24 @@ def _found(results: Results, where: str, stated: Stated) -> Infimum:
     return found.need(stated.label)
 
 
+def _narrow(found: Infimum, room: float) -> Infimum:
+    """The infimum, if it is enclosed as narrowly as the record takes for granted.
+
+    Raises
+    ------
+    ComputationError
+        If it is not.
+    """
+    if not found.upper - found.lower <= room * abs(found.value):
+        raise ComputationError("enclosure", f"{found.lower!r}..{found.upper!r}, wider than {room:g}", found.attempts)
+    return found
+
+
 @task("(14)")
 def theorem_2(case: Case, results: Results) -> None:
     """Refute (14), and with it Theorems 2 and 3 and (38), exactly."""
     best, ends = proofs.margin(results)
+    _narrow(best, BOX_ROOM)
     results.attempt("(14)", list(best.attempts))
     margin = -best.value
     results.quantity(
@@ -96,7 +114,7 @@ def subproblem(case: Case, results: Results) -> None:
         ("rho_input_twice", True, "2"),
     ):
         stated = state_feedback(case, saturated, weight)
-        found[name] = _found(results, name, stated)
+        found[name] = _narrow(_found(results, name, stated), ROOM)
         sentence = "rho over block rows 1, 3, 5, 7 of (14) with (30) at e(0) = 0"
         sentence += f"{' and (31)' if saturated else ''}{', R twice' if weight == '2' else ''}"
         enclose(results, f"subproblem.{name}", stated, found[name], sentence=sentence, source="(14), (30), (31)")
@@ -136,14 +154,14 @@ def rounding_of_43(case: Case, results: Results) -> None:
     """Range rho over all X and Y that round to the printed digits; prove (43) and (44) consistent."""
     stated, source, ends = printed_digits(case), "(14), (30), (31), (43)", {}
     for name, formula, sign in (("upper", "inverse_rho", 1), ("lower", "-inverse_rho", -1)):
-        found = ends[name] = _found(results, f"rho_{name}", stated.changed(minimise=formula))
+        found = ends[name] = _narrow(_found(results, f"rho_{name}", stated.changed(minimise=formula)), BOX_ROOM)
         lower, upper = sorted(sign / end for end in (found.lower, found.upper))
         results.quantity(
             f"box.rho_{name}", sign / found.value, lower=lower, upper=upper, method=ENCLOSED, source=source
         )
     for name, formula in (("x11", "X[0,0]"), ("x22", "X[1,1]"), ("eps", "eps")):
         for end, sign in (("lower", 1), ("upper", -1)):
-            found = _found(results, f"{name}_{end}", stated.changed(minimise=f"{sign}*{formula}"))
+            found = _narrow(_found(results, f"{name}_{end}", stated.changed(minimise=f"{sign}*{formula}")), BOX_ROOM)
             lower, upper = sorted((sign * found.lower, sign * found.upper))
             results.quantity(f"box.{name}_{end}", sign * found.value, lower=lower, upper=upper, method=ENCLOSED,
                              source=source)  # fmt: skip
