@@ -268,7 +268,7 @@ def test_only_declared_designs_are_read(tmp_path):
 
     case = read_case(ROOT, "wan2014")
     for name in ("../../../pyproject", "../designs/repaired", "/etc/passwd", "x", "", "repaired/"):
-        with pytest.raises(CertificateError, match="no design"):
+        with pytest.raises(CertificateError, match=r"no design|expected"):
             build.certificate("definite", id="c", paper="wan2014", statement="s", tables=case,
                               fields={"constraint": f"design('{name}', 'K') > 0"})  # fmt: skip
 

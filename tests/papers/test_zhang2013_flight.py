@@ -17,6 +17,7 @@ from gainsay.systems.delay_spectrum import spectral_abscissa, unstable_root_coun
 from gainsay.tables import Case, read_case
 from gainsay.verdicts.criterion import criteria
 from papers.zhang2013 import audit, flight, proofs, runs
+from papers.zhang2013.figures import FIGURES
 from papers.zhang2013.plant import MODES, Spacecraft
 
 CASE: Case = read_case(Path(__file__).resolve().parents[2], "zhang2013")
@@ -210,8 +211,6 @@ def test_the_norm_of_w_may_exceed_the_larger_bound():
 
 
 def test_every_run_and_figure_is_declared():
-    from papers.zhang2013.figures import FIGURES
-
     assert {run.name for run in runs.RUNS} == set(CASE.paper.runs)
     assert {figure.name for figure in FIGURES} == set(CASE.paper.figures)
 

@@ -41,7 +41,7 @@ from papers.zhang2013.statements import (
     theorem_2,
     unsound_program,
 )
-from papers.zhang2013.synthesis import near_optimum
+from papers.zhang2013.synthesis import ROOM, near_optimum
 
 CASE: Case = read_case(Path(__file__).resolve().parents[2], "zhang2013")
 CRAFT = Spacecraft.of(CASE)
@@ -184,7 +184,8 @@ def test_structured_theorem_1_is_theorem_2_for_given_gains():
 
 
 def test_mu_has_no_effect_on_the_least_gamma():
-    assert reduced(mu="1").bound == pytest.approx(reduced().bound, rel=1e-6)
+    # both are enclosed to 1e-5 on every machine: see ROOM
+    assert reduced(mu="1").bound == pytest.approx(reduced().bound, rel=2 * ROOM)
 
 
 @pytest.mark.slow

@@ -17,6 +17,7 @@ from gainsay.proof.checker import Proof, check_file
 
 __all__ = ["check_file_within"]
 
+# bytes beyond what the process holds when it begins
 _MEMORY = 2 << 30
 
 
@@ -87,6 +88,15 @@ def _limit_memory() -> None:
         return
     import resource
 
-    for kind, most in ((resource.RLIMIT_AS, _MEMORY), (resource.RLIMIT_CORE, 0)):
+    for kind, most in ((resource.RLIMIT_AS, _held() + _MEMORY), (resource.RLIMIT_CORE, 0)):
         _, hard = resource.getrlimit(kind)
         resource.setrlimit(kind, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+
+
+def _held() -> int:
+    """Bytes of addresses that the process holds already: a fork has those of what started it."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    except (OSError, ValueError, IndexError):
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE")
