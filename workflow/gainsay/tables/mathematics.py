@@ -198,7 +198,7 @@ def check_sentences(case: "Case") -> None:
         At the first that cannot, naming file, row, field and what was expected.
     """
     paper = case.paper
-    headed = [("title", paper.title)] + [
+    headed = [("title", paper.title), *(("finding", text) for text in paper.finding)] + [
         (f"{table}.{name}", text)
         for table in ("designs", "runs", "figures")
         for name, text in getattr(paper, table).items()
