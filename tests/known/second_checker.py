@@ -577,6 +577,36 @@ def interval(plain, data, draw):
     return {"definite": held}
 
 
+def implication(plain, data, draw):
+    """The sum of congruences evaluated at drawn values of every unknown: an identity of words holds there too."""
+    fields = plain["fields"]
+    point = drawn_point(plain, draw)
+    for name in {*fields.get("invertible", []), *fields.get("positive", [])}:
+        point[name] = point[name] + 23 * np.eye(len(point[name]), dtype=int)
+    at = Formulas(plain, data, point, draw)
+
+    def positive(text):
+        form, relation = at.constraint(text)
+        return (form if ">" in relation else -form), "=" not in relation
+
+    given, (goal, strict) = {name: positive(text) for name, text in fields["given"]}, positive(fields["then"])
+    total, whole = goal * 0, np.zeros(goal.shape, dtype=object)
+    for term in fields["by"]:
+        factor = at.value(term["with"])
+        form, sharp = given[term["of"]] if term["of"] else (np.eye(len(factor), dtype=int) * mp.mpf(1), True)
+        scale = at.number(term.get("scale", "1"))
+        if not scale > 0:
+            return {"implication": [False]}
+        total = total + scale * (factor.T @ form @ factor)
+        if sharp and "left_inverse" in term:
+            whole = whole + at.value(term["left_inverse"]) @ factor
+    size = 1 + max(abs(x) for x in (*total.ravel(), *goal.ravel()))
+    good = all(abs(x) <= SLACK * size for x in (total - goal).ravel())
+    if strict:
+        good = good and all(abs(x) <= SLACK for x in (whole - np.eye(len(goal), dtype=int)).ravel())
+    return {"implication": [good]}
+
+
 FACTS = {
     **dict.fromkeys(("lyapunov", "stein", "unstable", "eigenvalues", "not_an_eigenvalue"), lines),
     **dict.fromkeys(("bounded_real", "h2", "norm_at_least"), norms),
@@ -584,7 +614,7 @@ FACTS = {
     **dict.fromkeys(("definite", "not_definite"), definite),
     "farkas": infeasible, "dual_bound": dual_bound, "feasible": feasible, "linear_box": linear_box,
     "identity": identity, "different": different, "enclosed": enclosed, "level": level,
-    "positive_on_interval": interval,
+    "positive_on_interval": interval, "implication": implication,
 }  # fmt: skip
 
 
@@ -607,6 +637,8 @@ def judge(plain, data, seed=0):
             low, high = value.split("..") if relation == "inside" else (value, value)
             low, high = number(low), number(high)
             room = MARGIN * (1 + abs(low)) if plain["kind"] in INEXACT else SLACK * (1 + abs(low))
+            if conclusion["of"] == "matching":  # of eigenvalues in doubles
+                room = mp.mpf("1e-12")
             above = all(v >= low - room for v in values)
             below = all(v <= high + room for v in values)
             good = {"at_most": below, "less_than": below, "at_least": above, "greater_than": above,

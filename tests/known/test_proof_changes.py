@@ -376,7 +376,7 @@ def test_changed_certificates_are_refused_or_still_true(certificates, batch):
         found[tried(certificate, tables, data[certificate.paper], draw)] += 1
     print(f"changed certificates, batch {batch}: {dict(found)}")
     assert found["refused"] > found.total() // 4
-    assert found["true"] > 0
+    assert found["true"] + found["the same"] > 0
 
 
 @pytest.mark.slow
