@@ -1,5 +1,6 @@
 """Each input that a paper leaves out is swapped for another plausible one: what moves must have recorded the read."""
 
+import os
 import shutil
 import sys
 import time
@@ -48,6 +49,7 @@ def computed(case, step: str, function) -> tuple[dict[str, tuple], set[tuple[str
 
 
 @pytest.mark.slow
+@pytest.mark.skipif("GAINSAY_NIGHT" not in os.environ, reason="minutes a paper: make nightly")
 @pytest.mark.parametrize("paper", paper_names(ROOT))
 def test_what_moves_with_an_assumed_input_had_recorded_it(paper, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT))
