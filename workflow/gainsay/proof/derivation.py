@@ -13,7 +13,7 @@ from typing import Any
 from gainsay.errors import CertificateError
 from gainsay.exact.rational import exact
 from gainsay.exact.words import Letter, Words, WordsError, identity, nothing, stacked
-from gainsay.proof import formulas
+from gainsay.proof.syntax import OPERATORS, is_star, literal_integer, one_line, parse
 
 __all__ = ["FUNCTIONS", "evaluate"]
 
@@ -37,10 +37,10 @@ def evaluate(text: str, names: Mapping[str, Words], letters: Mapping[str, Letter
     CertificateError
         If the text is no formula of this kind, or its blocks do not fit; the message quotes it.
     """
-    line = formulas.one_line(text)
+    line, tree = one_line(text), parse(text)
     try:
-        return _Reading(line, names, letters).visit(formulas.parse(text))
-    except (WordsError, RecursionError) as error:
+        return _Reading(line, names, letters).visit(tree)
+    except (ValueError, RecursionError) as error:
         raise CertificateError(f"formula {line[:77]!r}: {error}") from error
 
 
@@ -63,7 +63,7 @@ class _Reading:
             case ast.UnaryOp(op=ast.UAdd(), operand=operand):
                 return self.visit(operand)
             case ast.BinOp(left=left, op=ast.Pow(), right=right):
-                return self.power(self.visit(left), self.integer(right))
+                return self.power(self.visit(left), literal_integer(right))
             case ast.BinOp():
                 return self.combined(node)
             case ast.Attribute(attr="T", value=value):
@@ -81,11 +81,6 @@ class _Reading:
         except ValueError as error:
             raise WordsError(f"{text[:40]!r} is no decimal") from error
 
-    def integer(self, node: ast.expr) -> int:
-        if isinstance(node, ast.Constant) and type(node.value) is int and 0 <= node.value <= 400:
-            return node.value
-        raise WordsError("expected a literal integer from 0 to 400")
-
     def power(self, base: Words, exponent: int) -> Words:
         if exponent > _LARGEST_POWER or base.shape[0] != base.shape[1]:
             raise WordsError(f"power {exponent} of shape {base.shape}")
@@ -96,26 +91,17 @@ class _Reading:
 
     def combined(self, node: ast.BinOp) -> Words:
         left, right = self.visit(node.left), self.visit(node.right)
-        match node.op:
-            case ast.Add():
-                return left + right
-            case ast.Sub():
-                return left - right
-            case ast.Mult():
-                return left * right
-            case ast.MatMult():
-                return left @ right
-            case ast.Div() if right.is_number:
-                return left * right.inverse()
+        if type(node.op) in OPERATORS:
+            return OPERATORS[type(node.op)](left, right)
+        if isinstance(node.op, ast.Div) and right.is_number:
+            return left * right.inverse()
         raise WordsError(f"{ast.unparse(node)[:60]!r} is not part of a derivation in unknown matrices")
 
     def blocks(self, lines: list[ast.expr]) -> Words:
         if not all(isinstance(line, ast.List) for line in lines):
             raise WordsError("a list of one level: write [[a, b]], col(a, b) or row(a, b)")
         rows: list[Any] = [line.elts for line in lines if isinstance(line, ast.List)]
-        star = [
-            [None if isinstance(x, ast.Constant) and x.value is ... else self.visit(x) for x in row] for row in rows
-        ]
+        star = [[None if is_star(x) else self.visit(x) for x in row] for row in rows]
         return stacked(star, self.letters)
 
     def call(self, name: str, args: list[ast.expr]) -> Words:
@@ -123,7 +109,7 @@ class _Reading:
         if count is not None and len(args) != count:
             raise WordsError(f"{name} takes {count} arguments, found {len(args)}")
         if name in ("eye", "zeros"):
-            sizes = [self.integer(x) for x in args]
+            sizes = [literal_integer(x) for x in args]
             if 0 in sizes:
                 raise WordsError("a matrix without entries")
             return identity(sizes[0], self.letters) if name == "eye" else nothing(*sizes, self.letters)

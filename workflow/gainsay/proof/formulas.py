@@ -42,17 +42,23 @@ from gainsay.exact.ball import hull
 from gainsay.exact.budget import spend
 from gainsay.exact.matrix import Matrix, RingError, block, diagonal, eye, kron, zeros
 from gainsay.exact.rational import exact
+from gainsay.proof.syntax import (
+    OPERATORS,
+    compared,
+    integers,
+    is_star,
+    literal_integer,
+    one_line,
+    parse,
+    quote,
+    subscripts,
+)
 
-__all__ = ["Source", "check_name", "constraint", "evaluate", "names_in", "one_line", "parameter_of", "parse"]
+__all__ = ["Source", "check_name", "constraint", "evaluate", "names_in", "parameter_of"]
 
-# What an expression of the language is made of: no comments, escapes or characters that do not show.
-_ALLOWED = re.compile(r"[A-Za-z0-9_ \n+\-*/@.,:()\[\]'<>=]*", re.ASCII)
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}", re.ASCII)
 _CONSTANTS = ("pi",)
-_LONGEST = 20_000
-_LARGEST_SIZE = 400
 _LARGEST_POWER = 64
-_RELATIONS = {ast.Lt: "<", ast.LtE: "<=", ast.Eq: "==", ast.GtE: ">=", ast.Gt: ">"}
 
 
 class Source(Protocol):
@@ -96,11 +102,11 @@ def constraint(text: str, names: Mapping[str, Matrix], source: Source) -> tuple[
 
     A side that is the number 0 fits any shape. Raises like `evaluate`.
     """
-    node = parse(text)
-    if not isinstance(node, ast.Compare) or len(node.ops) != 1 or type(node.ops[0]) not in _RELATIONS:
-        raise CertificateError(f"constraint {_quote(text)}: expected one of < <= == >= > between two formulas")
+    sides = compared(text)
+    if sides is None:
+        raise CertificateError(f"constraint {quote(text)}: expected one of < <= == >= > between two formulas")
     evaluator = _Evaluator(text, names, source)
-    left, right = evaluator.run(node.left), evaluator.run(node.comparators[0])
+    left, relation, right = evaluator.run(sides[0]), sides[1], evaluator.run(sides[2])
 
     def is_zero(side: Matrix) -> bool:
         return side.is_number and side.is_exact and side.value() == 0
@@ -113,8 +119,8 @@ def constraint(text: str, names: Mapping[str, Matrix], source: Source) -> tuple[
         else:
             difference = left - right
     except (RingError, ArithmeticError) as error:
-        raise CertificateError(f"constraint {_quote(text)}: {error}") from error
-    return difference, _RELATIONS[type(node.ops[0])]
+        raise CertificateError(f"constraint {quote(text)}: {error}") from error
+    return difference, relation
 
 
 def names_in(text: str) -> set[str]:
@@ -136,11 +142,6 @@ def parameter_of(text: str, definitions: Mapping[str, str]) -> str | None:
     return None
 
 
-def _quote(text: str) -> str:
-    line = " ".join(text.split())
-    return repr(line if len(line) <= 80 else line[:77] + "...")
-
-
 def check_name(name: object) -> str:
     """Return a name that a definition or an unknown may have.
 
@@ -154,30 +155,6 @@ def check_name(name: object) -> str:
     if name in _FUNCTIONS or name in _CONSTANTS:
         raise CertificateError(f"the name {name!r} belongs to the formula language")
     return name
-
-
-def parse(text: str) -> ast.expr:
-    """Syntax tree of a formula or a constraint; its columns count in `one_line` of the text.
-
-    Raises
-    ------
-    CertificateError
-        If the text is too long, holds a character that is not part of the language, or is no expression.
-    """
-    if not isinstance(text, str) or len(text) > _LONGEST:
-        raise CertificateError(f"a formula must be a text of at most {_LONGEST} characters")
-    if not _ALLOWED.fullmatch(text):
-        raise CertificateError(f"formula {_quote(text)}: a character that is not part of the formula language")
-    try:
-        spend(50 * len(text), "a formula")
-        return ast.parse(one_line(text), mode="eval").body
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise CertificateError(f"formula {_quote(text)}: not an expression") from error
-
-
-def one_line(text: str) -> str:
-    """Text of a formula that is broken over lines, as one line."""
-    return text.replace("\n", " ").strip(" ")
 
 
 def _root(x: arb | fmpq) -> arb | fmpq:
@@ -198,7 +175,7 @@ class _Evaluator:
         self.written = one_line(text)
 
     def fail(self, what: object) -> CertificateError:
-        return CertificateError(f"formula {_quote(self.text)}: {what}".replace("\n", " "))
+        return CertificateError(f"formula {quote(self.text)}: {what}".replace("\n", " "))
 
     def run(self, node: ast.expr) -> Matrix:
         try:
@@ -223,11 +200,6 @@ class _Evaluator:
         if not isinstance(value, Matrix):
             raise self.fail("a text or a list where a number or a matrix is expected")
         return value
-
-    def integer(self, node: ast.AST) -> int:
-        if isinstance(node, ast.Constant) and type(node.value) is int and 0 <= node.value <= _LARGEST_SIZE:
-            return node.value
-        raise self.fail(f"expected a literal integer from 0 to {_LARGEST_SIZE}")
 
     def string(self, node: ast.AST) -> str:
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
@@ -261,22 +233,15 @@ class _Evaluator:
     def on_binop(self, node: ast.BinOp) -> Matrix:
         left = self.matrix(node.left)
         if isinstance(node.op, ast.Pow):
-            exponent = self.integer(node.right)
+            exponent = literal_integer(node.right)
             if exponent > _LARGEST_POWER:
                 raise self.fail(f"power {exponent} exceeds {_LARGEST_POWER}")
             return left.power(exponent)
         right = self.matrix(node.right)
-        match node.op:
-            case ast.Add():
-                return left + right
-            case ast.Sub():
-                return left - right
-            case ast.Mult():
-                return left * right
-            case ast.MatMult():
-                return left @ right
-            case ast.Div():
-                return left.over(right)
+        if isinstance(node.op, ast.Div):
+            return left.over(right)
+        if type(node.op) in OPERATORS:
+            return OPERATORS[type(node.op)](left, right)
         raise self.fail(f"{type(node.op).__name__} is not part of the formula language")
 
     def on_attribute(self, node: ast.Attribute) -> Matrix:
@@ -289,33 +254,12 @@ class _Evaluator:
         for line in node.elts:
             if not isinstance(line, ast.List):
                 raise self.fail("a list of one level: write [[a, b]], col(a, b) or row(a, b)")
-            rows.append([None if self.is_star(x) else self.matrix(x) for x in line.elts])
+            rows.append([None if is_star(x) else self.matrix(x) for x in line.elts])
         return block(rows)
-
-    @staticmethod
-    def is_star(node: ast.AST) -> bool:
-        return isinstance(node, ast.Constant) and node.value is ...
 
     def on_subscript(self, node: ast.Subscript) -> Matrix:
         value = self.matrix(node.value)
-        parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
-        if len(parts) == 1 and 1 in value.shape:
-            parts = [*parts, ast.Slice()] if value.shape[1] == 1 else [ast.Slice(), *parts]
-        if len(parts) != 2:
-            raise self.fail("a matrix takes two subscripts, a row or a column one")
-        chosen = [self.indices(p, size) for p, size in zip(parts, value.shape, strict=True)]
-        return value.take(*chosen)
-
-    def indices(self, node: ast.AST, size: int) -> list[int]:
-        if not isinstance(node, ast.Slice):
-            return [self.integer(node)]
-        if node.step is not None:
-            raise self.fail("a slice with a step")
-        start = 0 if node.lower is None else self.integer(node.lower)
-        stop = size if node.upper is None else self.integer(node.upper)
-        if stop > size:
-            raise self.fail(f"slice up to {stop} of {size}")
-        return list(range(start, stop))
+        return value.take(*subscripts(node, value.shape))
 
     def on_call(self, node: ast.Call) -> Matrix:
         if not isinstance(node.func, ast.Name) or node.keywords:
@@ -331,14 +275,8 @@ class _Evaluator:
         return apply(self, node.args)
 
 
-def _listed(e: _Evaluator, node: ast.AST) -> list[int]:
-    if not isinstance(node, ast.List):
-        raise e.fail("expected a list of integers")
-    return [e.integer(x) for x in node.elts]
-
-
 def _unit(e: _Evaluator, args: list[ast.expr]) -> Matrix:
-    size, place = e.integer(args[0]), e.integer(args[1])
+    size, place = literal_integer(args[0]), literal_integer(args[1])
     return eye(size).take(range(size), [place])
 
 
@@ -359,14 +297,14 @@ _FUNCTIONS: dict[str, tuple[int | None, Callable[[_Evaluator, list[ast.expr]], M
     "box": (1, lambda e, a: e.source.box(e.string(a[0]))),
     "design": (2, lambda e, a: e.source.design(e.string(a[0]), e.string(a[1]))),
     "interval": (2, lambda e, a: Matrix.number(hull(e.matrix(a[0]).value(), e.matrix(a[1]).value()))),
-    "eye": (1, lambda e, a: eye(e.integer(a[0]))),
-    "zeros": (2, lambda e, a: zeros(e.integer(a[0]), e.integer(a[1]))),
+    "eye": (1, lambda e, a: eye(literal_integer(a[0]))),
+    "zeros": (2, lambda e, a: zeros(literal_integer(a[0]), literal_integer(a[1]))),
     "unit": (2, _unit),
     "diag": (None, lambda e, a: diagonal([e.matrix(x) for x in a])),
     "block": (1, lambda e, a: e.matrix(a[0])),
     "col": (None, lambda e, a: block([[e.matrix(x)] for x in a])),
     "row": (None, lambda e, a: block([[e.matrix(x) for x in a]])),
-    "take": (3, lambda e, a: e.matrix(a[0]).take(_listed(e, a[1]), _listed(e, a[2]))),
+    "take": (3, lambda e, a: e.matrix(a[0]).take(integers(a[1]), integers(a[2]))),
     "sym": (1, lambda e, a: (lambda x: x + x.T)(e.matrix(a[0]))),
     "trace": (1, lambda e, a: e.matrix(a[0]).trace()),
     "inverse": (1, lambda e, a: e.matrix(a[0]).inverse()),

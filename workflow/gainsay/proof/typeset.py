@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Sequence
 
 from gainsay.errors import CertificateError
-from gainsay.proof.formulas import one_line, parse
+from gainsay.proof.syntax import one_line, parse
 
 __all__ = ["name_tex", "tex"]
 

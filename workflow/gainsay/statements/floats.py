@@ -19,6 +19,7 @@ from gainsay.exact.rational import fraction_of
 from gainsay.lmi import Affine, Variable, affine, sym, trace
 from gainsay.proof import formulas
 from gainsay.proof.scope import Reader
+from gainsay.proof.syntax import OPERATORS, integers, is_star, one_line, parse, subscripts
 
 __all__ = ["Floats", "nearest"]
 
@@ -72,7 +73,7 @@ class Floats:
         InputError
             If it is not affine in the unknowns, or its shapes do not fit.
         """
-        return _Walk(self, text).run(formulas.parse(text))
+        return _Walk(self, text).run(parse(text))
 
     def constant(self, text: str) -> np.ndarray:
         """Nearest doubles of a formula without unknowns."""
@@ -108,7 +109,7 @@ class _Walk:
     """Evaluates one formula: the parts that hold unknowns here, the others by the checker."""
 
     def __init__(self, floats: Floats, text: str) -> None:
-        self.floats, self.line = floats, formulas.one_line(text)
+        self.floats, self.line = floats, one_line(text)
 
     def run(self, node: ast.expr) -> Affine:
         try:
@@ -152,15 +153,10 @@ class _Walk:
         if isinstance(node.op, ast.Pow):
             raise self.fail("a power of an unknown is not affine")
         left, right = self.visit(node.left), self.visit(node.right)
-        match node.op:
-            case ast.Add() | ast.Sub():
-                if left.shape != right.shape:
-                    raise self.fail(f"a sum of shapes {left.shape} and {right.shape}")
-                return left + right if isinstance(node.op, ast.Add) else left - right
-            case ast.Mult():
-                return left * right
-            case ast.MatMult():
-                return left @ right
+        if isinstance(node.op, ast.Add | ast.Sub) and left.shape != right.shape:
+            raise self.fail(f"a sum of shapes {left.shape} and {right.shape}")
+        if type(node.op) in OPERATORS:
+            return OPERATORS[type(node.op)](left, right)
         raise self.fail(f"{type(node.op).__name__} is not part of the formula language")
 
     def number(self, node: ast.expr) -> float:
@@ -177,7 +173,7 @@ class _Walk:
 
     def assembled(self, lines: Sequence[Sequence[ast.expr]]) -> Affine:
         """Block matrix: ``...`` is the transpose of the mirrored block, a number zero fills a block of any size."""
-        values = [[None if _is_star(cell) else self.visit(cell) for cell in line] for line in lines]
+        values = [[None if is_star(cell) else self.visit(cell) for cell in line] for line in lines]
         for i, line in enumerate(values):
             for j, value in enumerate(line):
                 if value is None:
@@ -189,31 +185,8 @@ class _Walk:
 
     def part(self, node: ast.Subscript) -> Affine:
         value = self.visit(node.value)
-        parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
-        if len(parts) == 1 and 1 in value.shape:
-            parts = [*parts, ast.Slice()] if value.shape[1] == 1 else [ast.Slice(), *parts]
-        if len(parts) != 2:
-            raise self.fail("a matrix takes two subscripts, a row or a column one")
-        rows, columns = (self.indices(p, size) for p, size in zip(parts, value.shape, strict=True))
+        rows, columns = subscripts(node, value.shape)
         return value[rows, columns]
-
-    def indices(self, node: ast.expr, size: int) -> list[int]:
-        if not isinstance(node, ast.Slice):
-            return [self.index(node, size - 1)]
-        if node.step is not None:
-            raise self.fail("a slice with a step")
-        start = 0 if node.lower is None else self.index(node.lower, size)
-        stop = size if node.upper is None else self.index(node.upper, size)
-        return list(range(start, stop))
-
-    def index(self, node: ast.expr, largest: int) -> int:
-        if isinstance(node, ast.Constant) and type(node.value) is int and 0 <= node.value <= largest:
-            return node.value
-        raise self.fail(f"expected a literal integer from 0 to {largest}")
-
-
-def _is_star(node: ast.expr) -> bool:
-    return isinstance(node, ast.Constant) and node.value is ...
 
 
 def _grid(rows: Sequence[Sequence[Affine]], fail: Callable[[object], CertificateError]) -> Affine:
@@ -262,12 +235,8 @@ def _kron(walk: _Walk, args: list[ast.expr]) -> Affine:
 
 def _take(walk: _Walk, args: list[ast.expr]) -> Affine:
     value = walk.visit(args[0])
-    chosen = []
-    for node, size in zip(args[1:], value.shape, strict=True):
-        if not isinstance(node, ast.List):
-            raise walk.fail("expected a list of integers")
-        chosen.append([walk.index(x, size - 1) for x in node.elts])
-    return value[chosen[0], chosen[1]]
+    rows, columns = (integers(node, size - 1) for node, size in zip(args[1:], value.shape, strict=True))
+    return value[rows, columns]
 
 
 def _diag(walk: _Walk, args: list[ast.expr]) -> Affine:

@@ -4,22 +4,20 @@ One text serves the solver, the certificate and the page. A statement knows its 
 editions (as printed, as corrected) share the text and name the cells that differ.
 """
 
-import ast
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 from gainsay.errors import InputError
-from gainsay.proof.formulas import check_name, one_line, parse
+from gainsay.proof.formulas import check_name
+from gainsay.proof.syntax import Relation, compared, one_line, parse, segment
 from gainsay.statements.unknowns import Unknown
 
 __all__ = ["Cell", "Constraint", "Definitions", "Statement", "over", "read_constraint"]
 
 #: names of formulas in order, each over the tables, the unknowns and the names before it; or how a case gives them
 Definitions = Mapping[str, str] | Callable[[Any], Mapping[str, str]]
-Relation = Literal["<", "<=", "==", ">=", ">"]
-_SIGNS: dict[type, Relation] = {ast.Lt: "<", ast.LtE: "<=", ast.Eq: "==", ast.GtE: ">=", ast.Gt: ">"}
 
 
 @dataclass(frozen=True)
@@ -74,11 +72,11 @@ def read_constraint(text: str, label: str | None = None) -> Constraint:
     InputError
         If it is no comparison of two formulas.
     """
-    node, line = parse(text), one_line(text)
-    if not isinstance(node, ast.Compare) or len(node.ops) != 1 or type(node.ops[0]) not in _SIGNS:
+    sides = compared(text)
+    if sides is None:
         raise InputError("constraint", value=text, expected="two formulas with one of < <= == >= > between them")
-    left, right = (ast.get_source_segment(line, side) or "" for side in (node.left, node.comparators[0]))
-    return Constraint(label or line, left, _SIGNS[type(node.ops[0])], right)
+    left, relation, right = sides
+    return Constraint(label or one_line(text), segment(text, left), relation, segment(text, right))
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,6 @@ Reference: S. Boyd, L. El Ghaoui, E. Feron, V. Balakrishnan, "Linear Matrix Ineq
 SIAM 1994, section 2.1.
 """
 
-import ast
 from collections.abc import Mapping
 from typing import Any
 
@@ -26,6 +25,7 @@ from gainsay.exact.words import Letter, Words, identity, nothing
 from gainsay.proof import derivation, formulas
 from gainsay.proof.kinds import Proved
 from gainsay.proof.scope import Scope
+from gainsay.proof.syntax import compared, segment
 
 THEOREM = "a sum of congruences of positive matrices is positive"
 REQUIRED = ("given", "then", "by")
@@ -34,7 +34,6 @@ LEVELS = ()
 FOUND = ()
 
 _SYMMETRY = {"symmetric": 1, "diagonal": 1, "skew": -1, "full": 0}
-_SIGNS = {ast.Lt: (-1, True), ast.LtE: (-1, False), ast.GtE: (1, False), ast.Gt: (1, True)}
 
 
 def prove(scope: Scope) -> list[Proved]:
@@ -127,14 +126,11 @@ def inequality(
     scope: Scope, text: str, names: Mapping[str, Words], letters: Mapping[str, Letter]
 ) -> tuple[Words, bool]:
     """The matrix that an inequality says is positive, and whether strictly."""
-    node = formulas.parse(text)
-    if not isinstance(node, ast.Compare) or len(node.ops) != 1 or type(node.ops[0]) not in _SIGNS:
+    sides = compared(text)
+    if sides is None or sides[1] == "==":
         raise scope.fail(f"constraint {text[:60]!r}: expected one of < <= >= > between two formulas")
-    line = formulas.one_line(text)
-    left, right = (
-        derivation.evaluate(line[side.col_offset : side.end_col_offset], names, letters)
-        for side in (node.left, node.comparators[0])
-    )
+    relation = sides[1]
+    left, right = (derivation.evaluate(segment(text, side), names, letters) for side in (sides[0], sides[2]))
     if right.is_number and right.is_zero:
         difference = left
     elif left.is_number and left.is_zero:
@@ -143,8 +139,7 @@ def inequality(
         difference = left - right
     if not difference.equals(difference.T):
         raise CertificateError(f"constraint {text[:60]!r}: not symmetric")
-    sign, strict = _SIGNS[type(node.ops[0])]
-    return (difference if sign > 0 else -difference), strict
+    return (difference if ">" in relation else -difference), "=" not in relation
 
 
 def hypothesis(
