@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Solved, solve
+from gainsay.lmi import solve
 from gainsay.proof import Certificate, build
 from papers.li2021 import arcs, plant, robust
 from papers.li2021.statements import PLANT, UNCERTAIN
@@ -100,9 +100,7 @@ def torque_evidence(case, gains, delta_m: float, form: robust.Loop) -> tuple[tup
     start, output = np.linalg.solve(form.T, start_state(case)), torque_output(gains, delta_m) @ form.T
     size = float(np.linalg.norm(output, 2) ** 2)
     near = {"P": size * np.eye(12), **{f"d{i}": size for i in range(robust.MULTIPLIERS)}}
-    found = solve(robust.torque_program(form, output, start), near=near, rounds=1)
-    if not isinstance(found, Solved):
-        raise found.error if hasattr(found, "error") else ComputationError("torque", "no Lyapunov matrix")
+    found = solve(robust.torque_program(form, output, start), near=near, rounds=1).need("torque")
     return robust.original(form, found.values), float(np.sqrt(found.objective))
 
 

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from gainsay.errors import InputError
+from gainsay.errors import ComputationError, InputError
 from gainsay.lmi import (
     BlockMatrix,
     Infeasible,
@@ -123,7 +123,9 @@ def test_a_lying_solver_is_not_believed(monkeypatch):
     result = solve(Program(subject_to=[(sym(A.T @ p) < 0).named("Lyapunov"), (p > 0).named("P > 0")], label="(1)"))
     assert isinstance(result, Undecided)
     assert len(result.attempts) >= len(backends.SETTINGS)
-    assert result.error.where == "(1)" and result.error.attempts == result.attempts
+    with pytest.raises(ComputationError) as raised:
+        result.need("(1)")
+    assert raised.value.where == "(1)" and raised.value.attempts == result.attempts
 
 
 def test_a_raising_solver_is_recorded(monkeypatch):

@@ -37,29 +37,24 @@ def interior_multipliers(program: Program, multipliers: Mapping[str, np.ndarray]
 
 def _inside(program: Program, given: Mapping[str, np.ndarray], weighted: bool) -> dict[str, np.ndarray] | None:
     """Multipliers over the rows in which the given ones have weight, or over all rows."""
-    typical = {row.constraint.label: 1 / row.extent(np.ones(program.size)) for row in program.rows}
-    heaviest = max(
-        float((_weights(row, given[label]) / typical[label]).max(initial=0.0))
-        for label, row in ((row.constraint.label, row) for row in program.rows)
-    )
-    parts = []
-    for i, row in enumerate(program.rows):
-        label = row.constraint.label
-        least = None if weighted else 1e-3 * heaviest * typical[label]
-        parts.append(_Part(f"Z{i}", row, given[label], least))
+    known = [(row, given[row.constraint.label], 1 / row.extent(np.ones(program.size))) for row in program.rows]
+    heaviest = max(float((_weights(row, z) / typical).max(initial=0.0)) for row, z, typical in known)
+    parts = [
+        _Part(f"Z{i}", row, z, None if weighted else 1e-3 * heaviest * typical)
+        for i, (row, z, typical) in enumerate(known)
+    ]
     parts = [part for part in parts if part.variable is not None]
     if not any(isinstance(part.row.constraint, Definite | Entrywise) for part in parts):
         return None
     level = scalar("level")
-    cancelled = sum((part.against(part.row.tensor) for part in parts[1:]), parts[0].against(parts[0].row.tensor))
-    value = sum((part.against(part.row.constant[..., None]) for part in parts[1:]),
-                parts[0].against(parts[0].row.constant[..., None]))  # fmt: skip
-    known = sum(float(np.sum(part.given * part.row.constant)) for part in parts)
+    cancelled = sum(part.against(part.row.tensor) for part in parts)
+    value = sum(part.against(part.row.constant[..., None]) for part in parts)
+    before = sum(float(np.sum(part.given * part.row.constant)) for part in parts)
     size = sum(part.weight() for part in parts if part.is_cone)
     held = [part.inside(level) for part in parts if part.is_cone]
     constraints = [*held, equal(cancelled, 0, "unknowns cancel"), equal(size, _count(parts), "size")]
     if value.terms and any(np.abs(c).max() > 0 for c in value.terms.values()):
-        constraints.append((-value > -0.5 * min(known, 0.0)).named("value"))
+        constraints.append((-value > -0.5 * min(before, 0.0)).named("value"))
     found = solve(Program(-level, constraints, label=f"multipliers of {program.label}", margin=1e-9))
     if not isinstance(found, Solved) or not found["level"] > 0:
         return None

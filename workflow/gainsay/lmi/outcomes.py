@@ -16,9 +16,8 @@ class _NotFound:
 
     def need(self, where: str) -> Never:
         """Raise `ComputationError` with the attempts: something was to be found here; `where` is the equation."""
-        raise ComputationError(
-            where, f"{type(self).__name__.lower()} after {len(self.attempts)} attempts", self.attempts
-        )
+        reason = getattr(self, "reason", type(self).__name__.lower())
+        raise ComputationError(where, f"{reason} after {len(self.attempts)} attempts", self.attempts)
 
 
 @dataclass(frozen=True)
@@ -116,11 +115,6 @@ class Undecided(_NotFound):
     label: str
     attempts: tuple[dict, ...]
     reason: str = "neither a point nor multipliers"
-
-    @property
-    def error(self) -> ComputationError:
-        """The error to raise where a solution is needed."""
-        return ComputationError(self.label, f"{self.reason} after {len(self.attempts)} attempts", self.attempts)
 
 
 @dataclass(frozen=True)

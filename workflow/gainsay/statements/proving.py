@@ -9,7 +9,7 @@ from gainsay.errors import CertificateError, ComputationError
 from gainsay.lmi import Infeasible, Infimum, Solved, infimum, interior_multipliers
 from gainsay.proof import Certificate, build
 from gainsay.statements.program import Stated
-from gainsay.tables.results import Results
+from gainsay.tables.results import Results, proved_ends
 
 __all__ = ["above", "below", "enclose", "prove"]
 
@@ -189,8 +189,8 @@ def enclose(
         reason = f"; no lower end: {error}"
     for certificate in made:
         results.certificate(certificate)
-    upper = float(made[0].conclusions[-1].value or "nan")
-    lower = float(made[1].conclusions[-1].value or "nan") if len(made) == 2 else -np.inf
+    ends = [proved_ends(certificate.conclusions[-1]) for certificate in made]
+    lower, upper = max(low for low, _ in ends), min(high for _, high in ends)
     value = min(max(found.value if np.isfinite(found.value) else found.upper, lower), upper)
     results.quantity(
         quantity,

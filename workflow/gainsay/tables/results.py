@@ -41,8 +41,9 @@ def _listed(value: object) -> object:
     return value.tolist() if hasattr(value, "tolist") else str(value)
 
 
-def _ends(relation: str, value: str | None) -> tuple[float, float]:
+def proved_ends(conclusion: Any) -> tuple[float, float]:
     """Lower and upper end that a conclusion of a certificate gives, as doubles on the safe side."""
+    relation, value = conclusion.relation, conclusion.value
     if value is None:
         return {"holds": (1.0, 1.0), "fails": (0.0, 0.0)}[relation]
     low, _, high = value.partition("..")
@@ -280,7 +281,7 @@ class Results:
         nearest: dict[str, float] = {}
         for conclusion in certificate.conclusions:
             if conclusion.quantity:
-                ends.setdefault(conclusion.quantity, []).append(_ends(conclusion.relation, conclusion.value))
+                ends.setdefault(conclusion.quantity, []).append(proved_ends(conclusion))
                 if conclusion.value is not None and ".." not in conclusion.value:
                     nearest[conclusion.quantity] = float(Fraction(conclusion.value))
         if not ends:
