@@ -325,18 +325,8 @@ def differing(
     quantity: str = "",
 ) -> Certificate:
     """Certificate that two formulas are not the same: values of their unknowns at which they differ."""
-    return certificate(
-        "different",
-        id=name,
-        paper=case.name,
-        tables=case,
-        statement=statement,
-        unknowns=entries(unknowns),
-        witness=point_for(unknowns),
-        definitions=definitions or {},
-        fields={"left": left, "right": right},
-        quantities={"identity": quantity} if quantity else {},
-    )
+    witness = point_for(unknowns)
+    return _of_two("different", case, name, statement, left, right, unknowns, quantity, definitions, witness=witness)
 
 
 def identical(
@@ -351,8 +341,23 @@ def identical(
     faith: Sequence[str] = (),
 ) -> Certificate:
     """Certificate that two formulas agree for every value of their unknowns; `faith` names what it leaves to prose."""
+    return _of_two("identity", case, name, statement, left, right, unknowns, quantity, definitions, faith=faith)
+
+
+def _of_two(
+    kind: str,
+    case: Case,
+    name: str,
+    statement: str,
+    left: str,
+    right: str,
+    unknowns: Mapping[str, Unknown],
+    quantity: str,
+    definitions: Mapping[str, str] | None,
+    **more: Any,
+) -> Certificate:
     return certificate(
-        "identity",
+        kind,
         id=name,
         paper=case.name,
         tables=case,
@@ -360,6 +365,6 @@ def identical(
         unknowns=entries(unknowns),
         definitions=definitions or {},
         fields={"left": left, "right": right},
-        quantities={"identity": quantity},
-        faith=faith,
+        quantities={"identity": quantity} if quantity else {},
+        **more,
     )

@@ -154,14 +154,47 @@ OFFSETS = {row: sum(list(SIZES.values())[:i]) for i, row in enumerate(ROWS)}
 LAMBDAS = {"l1": PLUS, "l2": "number('lambda2')"}
 
 
+def alike(part: str) -> dict[tuple[str, str], str]:
+    """Cells that (23) and (26) print alike: (26) refers to the Pi's of (23)."""
+    _, o = PARTS[part]
+    return {
+        ("e", "w2'"): "P22.T",
+        ("e", "y"): "C2.T",
+        ("e'", "e'"): "-l2 * sym(P22) + d_M * R2",
+        ("e'", "w2'"): "l2 * P22.T",
+        ("x_d", "x_d"): "-(1 - mu) * Q21 - 4 * R1 / d_M",
+        ("x_d", "x_M"): f"{o} * R1 / d_M",
+        ("e_d", "e_d"): "-(1 - mu) * Q22 - 4 * R2 / d_M",
+        ("e_d", "e_M"): f"{o} * R2 / d_M",
+        ("x_M", "x_M"): f"Q11 - {o} * R1 / d_M",
+        ("e_M", "e_M"): f"Q12 - {o} * R2 / d_M",
+        ("w1", "w1"): "-g",
+        ("w2'", "w2'"): "-g",
+        ("w1", "y"): "Cd1.T",
+        ("w2'", "y"): "Cd2.T",
+        ("y", "y"): "-eye(1)",
+    }
+
+
+def corrections(part: str) -> dict[tuple[str, str], str]:
+    """Cells of (23) and (26) alike as (9) and (25) give them."""
+    c, o = PARTS[part]
+    return {
+        ("e", "e_d"): f"{c} * R2 / d_M",
+        ("x_M", "x_M"): f"-Q11 - {o} * R1 / d_M",
+        ("e_M", "e_M"): f"-Q12 - {o} * R2 / d_M",
+    }
+
+
 def equation_23(part: str) -> Statement:
     """(23a) or (23b) of Theorem 2 as printed, "R2hat" read as R2 and "P21hat" as P21bar (here X)."""
-    c, o = PARTS[part]
+    c, _ = PARTS[part]
     return Statement(
         f"(23{part})",
         "Theorem 2",
         ROWS,
         {
+            **alike(part),
             ("x", "x"): f"sym(A @ X) + Q11 + Q21 - {c} * R1 / d_M",
             ("x", "e"): "B",
             ("x", "x'"): "P11 - X + l1 * X.T @ A.T",
@@ -172,25 +205,10 @@ def equation_23(part: str) -> Statement:
             ("e", "x'"): "l1 * B.T",
             ("e", "e'"): "P12 - P22.T - l2 * (N @ B).T",
             ("e", "w1"): "N @ B",
-            ("e", "w2'"): "P22.T",
-            ("e", "y"): "C2.T",
             ("x'", "x'"): "-l1 * sym(X) + d_M * R1",
             ("x'", "x_d"): f"l1 * B @ M + {c} * R1 / d_M",
             ("x'", "w1"): "l1 * B",
-            ("e'", "e'"): "-l2 * sym(P22) + d_M * R2",
             ("e'", "w1"): "-l2 * N @ B",
-            ("e'", "w2'"): "l2 * P22.T",
-            ("x_d", "x_d"): "-(1 - mu) * Q21 - 4 * R1 / d_M",
-            ("x_d", "x_M"): f"{o} * R1 / d_M",
-            ("e_d", "e_d"): "-(1 - mu) * Q22 - 4 * R2 / d_M",
-            ("e_d", "e_M"): f"{o} * R2 / d_M",
-            ("x_M", "x_M"): f"Q11 - {o} * R1 / d_M",
-            ("e_M", "e_M"): f"Q12 - {o} * R2 / d_M",
-            ("w1", "w1"): "-g",
-            ("w2'", "w2'"): "-g",
-            ("w1", "y"): "Cd1.T",
-            ("w2'", "y"): "Cd2.T",
-            ("y", "y"): "-eye(1)",
         },
         unknowns=UNKNOWNS_23,
         where={**PLANT, **LAMBDAS},
@@ -199,16 +217,7 @@ def equation_23(part: str) -> Statement:
 
 def corrected_23(part: str) -> Statement:
     """(23a) or (23b) as (9) and (25) give them: five cells."""
-    c, o = PARTS[part]
-    return equation_23(part).corrected(
-        {
-            ("e", "e_d"): f"{c} * R2 / d_M",
-            ("e", "w1"): "-N @ B",
-            ("x'", "x_d"): "l1 * B @ M",
-            ("x_M", "x_M"): f"-Q11 - {o} * R1 / d_M",
-            ("e_M", "e_M"): f"-Q12 - {o} * R2 / d_M",
-        }
-    )
+    return equation_23(part).corrected({**corrections(part), ("e", "w1"): "-N @ B", ("x'", "x_d"): "l1 * B @ M"})
 
 
 def without_block_26(part: str) -> Statement:
@@ -225,12 +234,13 @@ UNKNOWNS_26 = {
 
 def equation_26(part: str) -> Statement:
     """(26a) or (26b) as printed, with the Pi's defined above it; not affine in its unknowns."""
-    c, o = PARTS[part]
+    c, _ = PARTS[part]
     return Statement(
         f"(26{part})",
         "proof of Theorem 2",
         ROWS,
         {
+            **alike(part),
             ("x", "x"): f"P21.T @ A + A.T @ P21 + Q11 + Q21 - {c} * R1 / d_M",
             ("x", "e"): "P21.T @ B",
             ("x", "x'"): "P11 - P21.T + l1 * A.T @ P21",
@@ -242,25 +252,10 @@ def equation_26(part: str) -> Statement:
             ("e", "x'"): "l1 * B.T @ P21",
             ("e", "e'"): "P12 - P22.T - l2 * B.T @ L.T @ P22",
             ("e", "w1"): "P22.T @ L @ B",
-            ("e", "w2'"): "P22.T",
-            ("e", "y"): "C2.T",
             ("x'", "x'"): "-l1 * sym(P21) + d_M * R1",
             ("x'", "x_d"): f"l1 * P21.T @ B @ K + {c} * R1 / d_M",
             ("x'", "w1"): "l1 * P21.T @ B",
-            ("e'", "e'"): "-l2 * sym(P22) + d_M * R2",
             ("e'", "w1"): "-l2 * P22.T @ L @ B",
-            ("e'", "w2'"): "l2 * P22.T",
-            ("x_d", "x_d"): "-(1 - mu) * Q21 - 4 * R1 / d_M",
-            ("x_d", "x_M"): f"{o} * R1 / d_M",
-            ("e_d", "e_d"): "-(1 - mu) * Q22 - 4 * R2 / d_M",
-            ("e_d", "e_M"): f"{o} * R2 / d_M",
-            ("x_M", "x_M"): f"Q11 - {o} * R1 / d_M",
-            ("e_M", "e_M"): f"Q12 - {o} * R2 / d_M",
-            ("w1", "w1"): "-g",
-            ("w2'", "w2'"): "-g",
-            ("w1", "y"): "Cd1.T",
-            ("w2'", "y"): "Cd2.T",
-            ("y", "y"): "-eye(1)",
         },
         unknowns=UNKNOWNS_26,
         where=PLANT,
@@ -269,15 +264,8 @@ def equation_26(part: str) -> Statement:
 
 def corrected_26(part: str) -> Statement:
     """(26a) or (26b) as (9) and (25) give them: the same five cells as in (23)."""
-    c, o = PARTS[part]
     return equation_26(part).corrected(
-        {
-            ("e", "e_d"): f"{c} * R2 / d_M",
-            ("e", "w1"): "-P22.T @ L @ B",
-            ("x'", "x_d"): "l1 * P21.T @ B @ K",
-            ("x_M", "x_M"): f"-Q11 - {o} * R1 / d_M",
-            ("e_M", "e_M"): f"-Q12 - {o} * R2 / d_M",
-        }
+        {**corrections(part), ("e", "w1"): "-P22.T @ L @ B", ("x'", "x_d"): "l1 * P21.T @ B @ K"}
     )
 
 
