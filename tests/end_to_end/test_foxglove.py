@@ -89,6 +89,7 @@ class Handler(http.server.SimpleHTTPRequestHandler):
 def browser(tmp_path_factory):
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
     if not STUDIO or chromium is None:
+        # the viewer is a folder of npm packages that the project does not carry
         pytest.skip("no viewer: set GAINSAY_STUDIO, see above, and install chromium")
     kind = runpy.run_path(str(Path(__file__).with_name("test_page.py")))["Browser"]
     opened = kind(chromium, tmp_path_factory.mktemp("profile"))
@@ -147,6 +148,7 @@ def test_trajectory_and_curves_are_seen_in_both_themes(browser, tmp_path, scheme
 def test_a_run_of_each_paper_opens_with_its_layout(browser, tmp_path, run):
     mcap, layout = RESULTS / f"{run}.mcap", RESULTS / f"{run}.foxglove.json"
     if not (mcap.is_file() and layout.is_file()):
+        # results are not in the repository: this looks at those of a pipeline that has run
         pytest.skip(f"{run} is not computed here")
     picture = tmp_path / f"{mcap.stem}.png"
     text = look(browser, mcap, layout.read_text(), "light", picture)

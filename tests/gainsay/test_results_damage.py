@@ -173,7 +173,7 @@ def sound(root, what):
             assert str(error).isprintable(), what
         except (ComputationError, OSError):  # a number is missing, or a folder stands where a table is to be written
             outcomes["refused"] += 1
-        except Exception as error:
+        except Exception as error:  # whatever is no refusal is what this looks for: it fails with the damage named
             pytest.fail(f"{what}: {type(error).__name__}: {error}"[:2000])
     found = check([read_case(root, "toy"), other])
     assert all(len(row) == 6 and all(isinstance(cell, str) for cell in row) for row in found), what

@@ -346,7 +346,7 @@ def tried(root, paper, draw):
         found = "refused"
         assert len(str(error)) <= 300, what
         assert str(error).isprintable(), what
-    except Exception as error:
+    except Exception as error:  # whatever is no refusal is what this looks for: it fails with the damage named
         pytest.fail(f"{what}: {type(error).__name__}: {error}"[:2000])
     else:
         found = "read"
