@@ -245,14 +245,13 @@ def least_trace_gains(plants: Stack) -> tuple[np.ndarray, np.ndarray]:
     ComputationError
         If a gain is not stationary to `ACCURATE`.
     """
-    first = h2_gains(plants)
-    K, X, trace = plants.limit, *covariances(plants, plants.limit)
-    for share in np.arange(_STARTS - 1) / (_STARTS - 1):
-        trial = first + share * (plants.limit - first)
-        other, value = covariances(plants, trial)
-        better = value < trace
-        K, X = (np.where(better[:, None, None], new, old) for new, old in ((trial, K), (other, X)))
-        trace = np.where(better, value, trace)
+    first, count = h2_gains(plants), len(plants.limit)
+    shares = np.concatenate([[1.0], np.arange(_STARTS - 1) / (_STARTS - 1)])[:, None, None, None]
+    trials = np.where(shares == 1, plants.limit, first + shares * (plants.limit - first))
+    X, traces = covariances(plants[np.tile(np.arange(count), _STARTS)], trials.reshape(-1, *first.shape[1:]))
+    traces = traces.reshape(_STARTS, count)
+    best = traces.argmin(axis=0), np.arange(count)
+    K, X, trace = trials[best], X.reshape(_STARTS, count, *X.shape[1:])[best], traces[best]
     if not np.isfinite(trace).all():
         raise ComputationError("(21)", f"no gain at hand reaches the level of plant {np.isfinite(trace).argmin()}")
     K, X, _ = _newton(plants, K, X, trace)

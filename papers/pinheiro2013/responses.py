@@ -70,24 +70,24 @@ def loop_matrix(actual: Satellite, group: str, K: np.ndarray) -> np.ndarray:
     return A - B @ K
 
 
-def stages(A: np.ndarray, length: float, step: float = np.inf) -> list[tuple[float, int]]:
+def stages(poles: np.ndarray, length: float, step: float = np.inf) -> list[tuple[float, int]]:
     """Durations and numbers of steps that follow every mode while it lasts: a slow mode must not hide a fast one.
 
     Parameters
     ----------
-    A : ndarray
-        Stable.
+    poles : ndarray
+        Of a stable system, 1/s.
     length : float
         s.
     step : float, optional
         Longest step, s.
     """
-    modes = sorted(np.linalg.eigvals(A), key=lambda p: p.real)
+    modes = poles[np.argsort(poles.real, kind="stable")]
     found, begin = [], 0.0
     for i, mode in enumerate(modes):
         end = min(LASTS / -mode.real, length)
         if end > begin:
-            longest = min(FINE / max(abs(p) for p in modes[i:]), step)
+            longest = min(FINE / np.abs(modes[i:]).max(), step)
             found.append((end - begin, int(np.ceil((end - begin) / longest))))
             begin = end
     if begin < length:
@@ -116,8 +116,9 @@ class Transient:
 
     def __init__(self, A: np.ndarray, start: np.ndarray) -> None:
         self.pieces: list[tuple[float, Response]] = []
-        begin, length = 0.0, LASTS / -np.linalg.eigvals(A).real.max()
-        for duration, steps in stages(A, length):
+        poles = np.linalg.eigvals(A)
+        begin, length = 0.0, LASTS / -poles.real.max()
+        for duration, steps in stages(poles, length):
             response = Response(A, start, duration, steps)
             self.pieces.append((begin, response))
             begin, start = begin + duration, response.states[-1]
@@ -158,7 +159,7 @@ class Disturbed:
         acting = np.ones(B.shape[1]) if axes is None else np.asarray(axes, dtype=float)
         A, shape = loop_matrix(satellite, group, K), B @ acting
         rates = [k * satellite.n for k in range(1, torque.harmonics + 1)]
-        self.size = A.shape[0]
+        self.size, poles = A.shape[0], np.linalg.eigvals(A)
         self.pieces: list[tuple[float, Response]] = []
         marks = [0.0, *(t for t in (torque.start, torque.end) if t < end), end]
         state = np.zeros(self.size)
@@ -168,7 +169,7 @@ class Disturbed:
             for i, rate in enumerate(rates):
                 extra[2 * i], extra[2 * i + 1] = np.sin(rate * begin), np.cos(rate * begin)
             length = stop - begin
-            parts = stages(A, length, step) if fine else [(length, max(int(np.ceil(length / step)), 1))]
+            parts = stages(poles, length, step) if fine else [(length, max(int(np.ceil(length / step)), 1))]
             joined = np.concatenate([state, extra])
             for duration, steps in parts:
                 response = Response(whole, joined, duration, steps)

@@ -415,7 +415,7 @@ def ask(case, results, question: Question, shared: Shared) -> None:
         return [question.value(study) for study in shared.studies(points, question.inputs)]
 
     found = scan(
-        case, question.quantity, inputs(case, question.inputs), together=together, admissible=rigid(case),
+        case, question.quantity, inputs(case, question.inputs), together=together, parts=4, admissible=rigid(case),
         samples=int(case.number("scan_samples")), seed=int(case.number("scan_seed")),
     )  # fmt: skip
     results.scan(found)

@@ -149,18 +149,18 @@ class ClosedLoop:
 
     def many_slopes(self):
         """Return f(t, states (m, 12)) of m flights [x; estimate] at once, two-body plant, unclipped thrust."""
-        orbit, observer = target_orbit(self.case), self.model.A - self.L @ self.case.matrix("C")
-        through, drive, K = self.L @ self.case.matrix("C"), self.model.B, self.K
-        mass, anomaly = self.case.number("mass"), self.anomaly()
+        orbit, anomaly, C = target_orbit(self.case), self.anomaly(), self.case.matrix("C")
+        rates = np.zeros((12, 12))
+        rates[POSITION, VELOCITY] = np.eye(3)
+        rates[VELOCITY, ESTIMATE] = -self.K / self.case.number("mass")
+        rates[ESTIMATE, :6] = self.L @ C
+        rates[ESTIMATE, ESTIMATE] = self.model.A - self.L @ C - self.model.B @ self.K
 
         def slopes(t: float, states: np.ndarray) -> np.ndarray:
-            x, estimate = states[:, :6], states[:, ESTIMATE]
-            force = -estimate @ K.T
-            found = np.empty_like(states)
-            found[:, :3] = x[:, 3:]
-            free = relative_acceleration(orbit, float(anomaly(t)), tuple(x.T[:3]), tuple(x.T[3:]))
-            found[:, 3:6] = np.transpose(free) + force / mass
-            found[:, ESTIMATE] = estimate @ observer.T + force @ drive.T + x @ through.T
+            found, columns = states @ rates.T, states.T
+            free = relative_acceleration(orbit, anomaly(t), columns[POSITION], columns[VELOCITY])
+            for axis, one in enumerate(free):
+                found[:, 3 + axis] += one
             return found
 
         return slopes
@@ -168,7 +168,8 @@ class ClosedLoop:
     def anomaly(self) -> Callable[[float], float]:
         """Return the true anomaly of the target over time, rad, from Kepler's equation."""
         orbit, start = target_orbit(self.case), self.case.number("mean_anomaly_at_start")
-        return lambda t: true_anomaly(start + orbit.mean_motion * t, orbit.eccentricity)
+        rate, eccentricity = orbit.mean_motion, orbit.eccentricity
+        return lambda t: true_anomaly(start + rate * float(t), eccentricity)
 
     def kinks(self) -> tuple:
         """Return the functions at whose zeros clipping begins or ends."""

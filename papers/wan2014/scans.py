@@ -210,7 +210,7 @@ def over_starts(case: Case, results: Results) -> None:
         def together(points: Sequence[Mapping], read: Callable = read) -> list[float]:
             return [read(flight, exact) for flight in fly(points)]
 
-        found = scan(case, quantity, inputs, samples=SAMPLES, together=together)
+        found = scan(case, quantity, inputs, samples=SAMPLES, together=together, parts=32)
         results.scan(found)
         results.say(f"{quantity}, over the starts", found.note)
     measured = one(1.0, 0.0)

@@ -136,7 +136,7 @@ def test_points_evaluated_together_give_the_same_scan_and_a_boundary_as_narrow()
         calls.append(len(points))
         return [evaluate(p) for p in points]
 
-    all_ = run(None, "at_least", "4.2", together=together)
+    all_ = run(None, "at_least", "4.2", together=together, parts=32)
     assert (all_.outcome, all_.holding, all_.least, all_.greatest) == (
         one.outcome,
         one.holding,

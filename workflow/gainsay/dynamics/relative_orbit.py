@@ -13,6 +13,7 @@ References
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -88,17 +89,17 @@ class KeplerOrbit:
         if not 0 <= real_number(self.eccentricity, "eccentricity") < 1:
             raise InputError("", field="eccentricity", value=self.eccentricity, expected="at least 0, below 1")
 
-    @property
+    @cached_property
     def mean_motion(self) -> float:
         """Mean motion, rad/s."""
         return mean_motion(self.gravitational_parameter, self.semi_major_axis)
 
-    @property
+    @cached_property
     def semi_latus_rectum(self) -> float:
         """Semi-latus rectum a (1 - e^2), m."""
         return self.semi_major_axis * (1 - self.eccentricity**2)
 
-    @property
+    @cached_property
     def angular_momentum(self) -> float:
         """Specific angular momentum, m^2/s."""
         return math.sqrt(self.gravitational_parameter * self.semi_latus_rectum)

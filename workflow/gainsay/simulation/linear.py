@@ -80,16 +80,21 @@ class Response:
         -------
         Peak
         """
-        rows = np.array([output, output @ self.A, output @ self.A @ self.A])
-        values, slopes = (self.states @ row for row in rows[:2])
-        best = int(np.argmax(np.abs(values)))
+        slope_of = output @ self.A
+        values, slopes = self.states @ output, self.states @ slope_of
+        sizes = np.abs(values)
+        best = int(sizes.argmax())
         found = Peak(float(self.time[best]), float(values[best]))
         turns = np.flatnonzero(slopes[:-1] * slopes[1:] < 0)
+        if not len(turns):
+            return found
         # A step cannot raise the output by more than its length times the larger slope at its ends.
         step = self.end / (len(self.time) - 1)
-        most = np.maximum(np.abs(values[turns]), np.abs(values[turns + 1]))
-        most += step * np.maximum(np.abs(slopes[turns]), np.abs(slopes[turns + 1]))
-        for i in turns[np.argsort(-most)][: int((most > max(abs(found.value), above)).sum())]:
+        most = np.maximum(sizes[turns], sizes[turns + 1])
+        most += step * np.abs(slopes[np.array([turns, turns + 1])]).max(axis=0)
+        worth = np.flatnonzero(most > max(abs(found.value), above))
+        rows = np.array([output, slope_of, slope_of @ self.A])
+        for i in turns[worth[np.argsort(-most[worth])]]:
             after, value = self._turn(rows, int(i), step, slopes[i], slopes[i + 1])
             if abs(value) > abs(found.value):
                 found = Peak(float(self.time[i] + after), value)

@@ -14,7 +14,7 @@ from gainsay.tables.models import Claim
 from gainsay.tables.reading import expectation
 from gainsay.tables.units import to_si
 from gainsay.verdicts.criterion import NUMERIC, Criterion, criteria
-from gainsay.verdicts.plausible import Plausible, Point, distance
+from gainsay.verdicts.plausible import Plausible, Point, nearest
 
 Pair = tuple[float, Point]
 
@@ -255,5 +255,5 @@ def _boundary(
         inside, outside = (first, second) if wanted.holds(first[0]) else (second, first)
         name = next(p.name for p in inputs if inside[1][p.name] != outside[1][p.name])
         return Boundary(name, inside[1][name], outside[1][name], inside[1]), inside, outside
-    _, i, j = min((distance(inputs, g[1], b[1]), i, j) for i, g in enumerate(good) for j, b in enumerate(bad))
+    i, j = nearest(inputs, [point for _, point in good], [point for _, point in bad])[0]
     return None, good[i], bad[j]

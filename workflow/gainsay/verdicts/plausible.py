@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
+import numpy as np
+
 from gainsay.errors import InputError
 
 Point = dict[str, Any]
@@ -120,9 +122,16 @@ def plausible(case: Any, name: str, *, logarithmic: bool = False) -> Plausible:
     )
 
 
-def distance(inputs: Sequence[Plausible], one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
-    """Return the square of the distance of two points, each input as a fraction of its range."""
-    return sum((p.fraction(one[p.name]) - p.fraction(other[p.name])) ** 2 for p in inputs)
+def nearest(
+    inputs: Sequence[Plausible], some: Sequence[Mapping[str, Any]], others: Sequence[Mapping[str, Any]]
+) -> list[tuple[int, int]]:
+    """Return the pairs of some points and others by their numbers, nearest first, each input a fraction of its range."""
+    squares = np.zeros((len(some), len(others)))
+    for one in inputs:
+        here, there = (np.array([one.fraction(point[one.name]) for point in points]) for points in (some, others))
+        squares += (here[:, None] - there) ** 2
+    order = np.argsort(squares, axis=None, kind="stable")
+    return [(int(i), int(j)) for i, j in zip(*np.unravel_index(order, squares.shape), strict=True)]
 
 
 def fractions(dimensions: int, seed: int) -> Iterator[tuple[float, ...]]:

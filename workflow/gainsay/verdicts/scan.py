@@ -14,11 +14,12 @@ H. Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM, 1
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.verdicts.criterion import NUMERIC, criteria
-from gainsay.verdicts.plausible import Plausible, Point, corners, distance, fractions, plausible, readings, sample
+from gainsay.verdicts.plausible import Plausible, Point, corners, fractions, nearest, plausible, readings, sample
 
 __all__ = ["Plausible", "Point", "Scan", "corners", "fractions", "plausible", "sample", "scan"]
 
@@ -27,8 +28,6 @@ LEAST_SAMPLES = 200
 _MOST_CUTS = 60
 #: pairs of samples with different outcomes that are tried, nearest first
 _MOST_PAIRS = 50
-#: parts into which a boundary is cut at a time: bisection, or many where points are evaluated together
-_HALVES, _TOGETHER = 2, 32
 
 Pair = tuple[float, Point]
 Holds = Callable[[float], bool]
@@ -94,6 +93,7 @@ def scan(
     admissible: Callable[[Mapping], bool] | None = None,
     width: float = 1e-3,
     together: Callable[[Sequence[Point]], Sequence[float]] | None = None,
+    parts: int = 2,
 ) -> Scan:
     """Evaluate a quantity over the plausible inputs and locate where the claims on it turn.
 
@@ -115,16 +115,21 @@ def scan(
         Fraction of an input's range at which the bisection stops.
     together : callable, optional
         Points -> the quantity at each, instead of `evaluate` where that is cheaper than one by one.
+    parts : int
+        Into how many parts a boundary is cut at a time: two is bisection; more where many points cost little more than
+        one. A power of two keeps the boundary that bisection finds.
 
     Raises
     ------
     InputError
-        For too few samples or inputs that hardly ever fit together.
+        For too few samples, inputs that hardly ever fit together, or fewer than two parts.
     ComputationError
         If the quantity cannot be computed at a sample: nothing is passed over.
     """
     if samples < LEAST_SAMPLES:
         raise InputError("samples of a scan", field=quantity, value=samples, expected=f"at least {LEAST_SAMPLES}")
+    if parts < 2:
+        raise InputError("parts of a scan", field=quantity, value=parts, expected="at least 2")
 
     def value_at(point: Point) -> float:
         try:
@@ -144,7 +149,6 @@ def scan(
     else:
         points = [*sample(inputs, samples, seed, admissible), *corners(inputs, admissible)]
     found = list(zip(values_at(points), points, strict=True))
-    parts = _HALVES if together is None else _TOGETHER
     crossings = []
     for claim in case.claims.values():
         if claim.quantity == quantity and claim.comparator in NUMERIC:
@@ -165,9 +169,8 @@ def _crossing(
     """Join the nearest pair of different outcomes one input at a time and bisect the input that turns it."""
     good = [pair for pair in found if holds(pair[0])]
     bad = [pair for pair in found if not holds(pair[0])]
-    nearest = sorted((distance(inputs, g[1], b[1]), i, j) for i, g in enumerate(good) for j, b in enumerate(bad))
-    for _, i, j in nearest[:_MOST_PAIRS]:
-        path = _turn(inputs, good[i], bad[j], values_at, holds, admissible)
+    for i, j in nearest(inputs, [point for _, point in good], [point for _, point in bad])[:_MOST_PAIRS]:
+        path = _turn(inputs, good[i], bad[j], values_at, holds, admissible, parts - 1)
         if path is None:
             continue
         turning, inside, outside = path
@@ -184,19 +187,26 @@ def _turn(
     values_at: Callable[[Sequence[Point]], list[float]],
     holds: Holds,
     admissible: Callable[[Mapping], bool] | None,
+    at_once: int,
 ) -> tuple[Plausible, Pair, Pair] | None:
     """Walk from a point that holds to one that fails; return the input at whose change the outcome turns."""
-    before = start
+    changes, point = [], start[1]
     for changed in inputs:
-        point = {**before[1], changed.name: end[1][changed.name]}
-        if point == before[1]:
-            continue
-        if admissible is not None and not admissible(point):
+        following = {**point, changed.name: end[1][changed.name]}
+        if following != point:
+            changes.append((changed, following))
+            point = following
+    before = start
+    for first in range(0, len(changes), at_once):
+        several = changes[first : first + at_once]
+        possible = list(takewhile(lambda change: admissible is None or admissible(change[1]), several))
+        values = values_at([point for _, point in possible])
+        for value, (changed, point) in zip(values, possible, strict=True):
+            if not holds(value):
+                return changed, before, (value, point)
+            before = (value, point)
+        if len(possible) < len(several):
             return None
-        after = (values_at([point])[0], point)
-        if not holds(after[0]):
-            return changed, before, after
-        before = after
     return None
 
 
