@@ -125,7 +125,7 @@ def plausible(case: Any, name: str, *, logarithmic: bool = False) -> Plausible:
 def nearest(
     inputs: Sequence[Plausible], some: Sequence[Mapping[str, Any]], others: Sequence[Mapping[str, Any]]
 ) -> list[tuple[int, int]]:
-    """Return the pairs of some points and others by their numbers, nearest first, each input a fraction of its range."""
+    """Return the pairs of some points and others by number, nearest first, each input as a fraction of its range."""
     squares = np.zeros((len(some), len(others)))
     for one in inputs:
         here, there = (np.array([one.fraction(point[one.name]) for point in points]) for points in (some, others))
