@@ -124,10 +124,8 @@ def largest_delay(case: Case, form: Form, gamma: float, limit: float) -> tuple[f
 
     def room(d_M: float) -> float:
         """1/gamma^2 less the one wanted: it falls to zero almost linearly, where gamma^2 itself grows without bound."""
-        try:
-            return 1 / least(d_M).bound - gamma**-2
-        except ComputationError:
-            return -(gamma**-2)
+        found = least_gamma_program(form(case, d_M=repr(d_M), g="gamma2")).solve()
+        return (1 / found.objective if isinstance(found, Solved) else 0.0) - gamma**-2
 
     def holds(d_M: float) -> bool:
         return isinstance(form(case, d_M=repr(d_M), g=repr(gamma**2)).solve(), Solved)

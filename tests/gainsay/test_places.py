@@ -28,8 +28,8 @@ def released():
     """Locks that steps in this process took end with the test."""
     before = list(holding._held)
     yield
-    for file in holding._held[len(before) :]:
-        file.close()
+    for descriptor in holding._held[len(before) :]:
+        os.close(descriptor)
     holding._held[len(before) :] = []
 
 

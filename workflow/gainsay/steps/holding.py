@@ -12,7 +12,8 @@ from gainsay.errors import InputError
 
 #: name of the variable by which a run tells its steps which run they belong to
 RUN = "GAINSAY_RUN"
-_held: list[TextIO] = []
+#: descriptors, open and locked as long as the process lives
+_held: list[int] = []
 
 
 def _opened(root: Path, name: str) -> TextIO:
@@ -23,6 +24,12 @@ def _opened(root: Path, name: str) -> TextIO:
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise InputError(reason, file=f"results/{name}", expected="a folder that can be written") from None
+
+
+def _hold(file: TextIO) -> None:
+    """Keep the lock of a file, which belongs to what is open and not to the object that is closed here."""
+    _held.append(os.dup(file.fileno()))
+    file.close()
 
 
 def _owner(file: TextIO) -> str:
@@ -50,7 +57,7 @@ def hold_results(root: Path) -> None:
     file.truncate(0)
     file.write(f"{os.getpid()}\n")
     file.flush()
-    _held.append(file)  # open, and locked, as long as the process lives
+    _hold(file)
     os.environ[RUN] = str(os.getpid())
     with _opened(root, ".steps") as steps:
         try:
@@ -70,7 +77,7 @@ def hold_as_step(root: Path) -> None:
     """
     steps = _opened(root, ".steps")
     fcntl.flock(steps, fcntl.LOCK_SH)
-    _held.append(steps)
+    _hold(steps)
     run = os.environ.get(RUN)
     if run is None:
         return
