@@ -116,13 +116,16 @@ class ClosedLoop:
 
     def right_hand_side(self):
         """Return f(t, x) for the 16 states; see the slices of this module."""
-        orbit = target_orbit(self.case)
-        observer = self.model.A - self.L @ self.case.matrix("C")
-        drive, L, mass = self.model.B, self.L, self.case.number("mass")
+        orbit, mass = target_orbit(self.case), self.case.number("mass")
         Q, R, C = self.case.matrix("Q"), self.case.matrix("R"), self.case.matrix("C")
         e, n = self.case.number("eccentricity"), self.case.number("mean_motion")
         start_anomaly, A = self.case.number("mean_anomaly_at_start"), self.model.A
         h = orbit.angular_momentum
+        # Rows of the position and of the estimate (7), by the states and by the force.
+        rates, pushes = np.zeros((16, 12)), np.zeros((16, 3))
+        rates[POSITION, VELOCITY] = np.eye(3)
+        rates[ESTIMATE, :6], rates[ESTIMATE, ESTIMATE] = self.L @ C, self.model.A - self.L @ C
+        pushes[VELOCITY], pushes[ESTIMATE] = np.eye(3) / mass, self.model.B
 
         def linear_acceleration(t: float, x: np.ndarray) -> np.ndarray:
             return ((A + noncircular_part(e, n, n * t + start_anomaly)) @ x)[3:]
@@ -131,13 +134,10 @@ class ClosedLoop:
             return relative_acceleration(orbit, anomaly, x[:3], x[3:])
 
         def derivative(t: float, state: np.ndarray) -> np.ndarray:
-            x, estimate, anomaly = state[:6], state[ESTIMATE], state[ANOMALY]
+            x, estimate, anomaly = state[:6], state[ESTIMATE], float(state[ANOMALY])
             force = self.thrust(estimate)
-            free = linear_acceleration(t, x) if self.linear else two_body_acceleration(x.tolist(), anomaly)
-            slope = np.empty(16)
-            slope[POSITION] = state[VELOCITY]
-            slope[VELOCITY] = free + force / mass
-            slope[ESTIMATE] = observer @ estimate + drive @ force + L @ (C @ x)
+            slope = rates @ state[:12] + pushes @ force
+            slope[VELOCITY] += linear_acceleration(t, x) if self.linear else two_body_acceleration(x.tolist(), anomaly)
             slope[ANOMALY] = h / orbit.radius(anomaly) ** 2
             slope[COST] = x @ Q @ x + force @ R @ force
             slope[DELTA_V] = math.sqrt(force @ force) / mass

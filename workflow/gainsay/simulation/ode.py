@@ -8,6 +8,7 @@ References
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
@@ -22,6 +23,8 @@ _MAX_KINKS = 10_000
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 #: evaluations of the right-hand side within which time must go on by more than this part of the whole
 _STILL, _SMALLEST = 20_000, 1e-9
+#: points looked at in every step of the integrator before peaks and crossings are polished on the dense output
+_IN_A_STEP = 6
 #: part of an output's spread by which a sample may miss the peak beside it
 _CLOSE = 0.05
 
@@ -56,6 +59,14 @@ class Trajectory:
             chosen = owner == index
             states[chosen] = self.pieces[index](time[chosen]).T
         return states
+
+    @cached_property
+    def fine(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times, shape (N,), so many in every step of the integrator that an output's shape shows; and the states."""
+        steps = np.unique(np.concatenate([self.steps, self.ends]))
+        within = np.arange(_IN_A_STEP) / _IN_A_STEP * np.diff(steps)[:, None]
+        grid = np.append((steps[:-1, None] + within).ravel(), steps[-1])
+        return grid, self(grid)
 
     def _require_inside(self, time: np.ndarray) -> None:
         room = 1e-9 * self.ends[-1]
@@ -182,9 +193,9 @@ class _Guarded:
 
     def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
         slope = self.right_hand_side(t, x)
-        if np.isnan(slope).any():
-            raise ComputationError("integration", f"the derivative is not a number at t = {float(t)!r} s")
-        if np.isinf(slope).any():
+        if not np.isfinite(slope).all():
+            if np.isnan(slope).any():
+                raise ComputationError("integration", f"the derivative is not a number at t = {float(t)!r} s")
             self.infinite = float(t)
         self.calls += 1
         self.latest = max(self.latest, float(t))
@@ -195,9 +206,7 @@ class _Guarded:
         return slope
 
 
-def largest(
-    trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], np.ndarray], *, refine: int = 6
-) -> tuple[float, float]:
+def largest(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> tuple[float, float]:
     """Locate the largest value of an output over continuous time.
 
     Parameters
@@ -205,8 +214,6 @@ def largest(
     trajectory : Trajectory
     output : callable
         (times (N,), states (N, n)) -> (N,).
-    refine : int
-        Points looked at in every step of the integrator before the best are polished on the dense output.
 
     Returns
     -------
@@ -217,10 +224,7 @@ def largest(
     ComputationError
         If the output is not a number at some time.
     """
-    steps = np.unique(np.concatenate([trajectory.steps, trajectory.ends]))
-    fractions = np.arange(refine) / refine
-    grid = np.append((steps[:-1, None] + fractions * np.diff(steps)[:, None]).ravel(), steps[-1])
-    values = _outputs(output, grid, trajectory)
+    grid, values = _outputs(output, trajectory)
     best = int(np.argmax(values))
     time, value = float(grid[best]), float(values[best])
 
@@ -240,16 +244,16 @@ def largest(
     return time, value
 
 
-def _outputs(output: Callable, grid: np.ndarray, trajectory: Trajectory) -> np.ndarray:
-    values = np.asarray(output(grid, trajectory(grid)))
+def _outputs(output: Callable, trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:
+    """Times and values of an output where the trajectory was looked at."""
+    grid, states = trajectory.fine
+    values = np.asarray(output(grid, states))
     if np.isnan(values).any():
         raise ComputationError("output", f"not a number at t = {float(grid[np.isnan(values)][0])!r} s")
-    return values
+    return grid, values
 
 
-def last_crossing(
-    trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], np.ndarray], *, refine: int = 6
-) -> float:
+def last_crossing(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> float:
     """Locate the time after which an output stays negative.
 
     Parameters
@@ -263,9 +267,7 @@ def last_crossing(
     ComputationError
         If the output is not negative at the end, was never positive, or is not a number at some time.
     """
-    steps = np.unique(np.concatenate([trajectory.steps, trajectory.ends]))
-    grid = np.append((steps[:-1, None] + np.arange(refine) / refine * np.diff(steps)[:, None]).ravel(), steps[-1])
-    values = _outputs(output, grid, trajectory)
+    grid, values = _outputs(output, trajectory)
     positive = np.flatnonzero(values >= 0)
     if len(positive) == 0 or positive[-1] == len(grid) - 1:
         raise ComputationError("crossing", "the output does not pass from positive to lastingly negative")
