@@ -9,6 +9,7 @@ References
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
@@ -20,6 +21,8 @@ from gainsay.exact.floats import real_array
 Function = Callable[[float, np.ndarray], np.ndarray]
 _NUDGE = 1e-9
 _MAX_KINKS = 10_000
+#: most corrections of the time of a kink
+_MOST_MOVES = 4
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 #: evaluations of the right-hand side within which time must go on by more than this part of the whole
 _STILL, _SMALLEST = 20_000, 1e-9
@@ -133,9 +136,14 @@ def integrate(
         if not np.isfinite(found.y).all():
             lost = float(found.t[~np.isfinite(found.y).all(axis=0)][0])
             raise ComputationError("integration", f"the state is not finite at t = {lost!r} s")
-        pieces.append(found.sol)
-        steps.append(found.t[1:])
-        time, state = float(found.t[-1]), found.y[:, -1]
+        solution, taken = found.sol, found.t
+        if found.status == 1 and taken[-1] > taken[-2]:
+            last = _up_to_kink(guarded, found, rtol, atol, method, kinks)
+            solution = _joined(found.sol, last.sol)
+            taken, found.y = np.append(found.t[:-1], last.t[1:]), last.y
+        pieces.append(solution)
+        steps.append(taken[1:])
+        time, state = float(taken[-1]), found.y[:, -1]
         if found.status == 1:
             # One tiny explicit step leaves the kink's zero behind; its error, about 1e-18 f', is below rounding.
             state = state + _NUDGE * right_hand_side(time, state)
@@ -144,6 +152,34 @@ def integrate(
         if len(pieces) > _MAX_KINKS:
             raise ComputationError("integration", f"more than {_MAX_KINKS} kinks before t = {time!r} s")
     return Trajectory(np.array(ends), tuple(pieces), np.concatenate(steps))
+
+
+def _up_to_kink(
+    right_hand_side: Function, found: Any, rtol: float, atol: float | np.ndarray, method: str, kinks: Sequence
+) -> Any:
+    """Integrate the last step again up to the kink: the integrator looked beyond it, where another formula holds.
+
+    The step ends where the function of the kink vanishes along the new solution, which is found by Newton's method.
+    """
+    kink = kinks[next(i for i, times in enumerate(found.t_events) if len(times))]
+    begin, start, stop = float(found.t[-2]), found.y[:, -2], float(found.t[-1])
+    for _ in range(_MOST_MOVES):
+        last = solve_ivp(right_hand_side, (begin, stop), start, method, rtol=rtol, atol=atol, dense_output=True)
+        if last.status < 0:
+            raise ComputationError("integration", f"{method} gave up at t = {float(last.t[-1])!r} s: {last.message}")
+        value, part = kink(stop, last.y[:, -1]), 1e-3 * (stop - begin)
+        rate = (value - kink(stop - part, last.sol(stop - part))) / part
+        move = -value / rate if rate else 0.0
+        # A kink that is only touched, or a Newton's step out of the step: the place that was found stays.
+        if abs(move) <= _NUDGE * (stop - begin) or not begin < stop + move <= stop + (stop - begin):
+            return last
+        stop += move
+    return last
+
+
+def _joined(before: OdeSolution, last: OdeSolution) -> OdeSolution:
+    """A solution whose last step is replaced."""
+    return OdeSolution(np.append(before.ts[:-1], last.ts[1:]), [*before.interpolants[:-1], *last.interpolants])
 
 
 def _require_start(right_hand_side: Function, start: np.ndarray, end: float) -> None:
