@@ -140,7 +140,7 @@ def results(root: Path, paper: str) -> None:
     for claim in CLAIMS:
         recomputed, tolerance, verdict, evidence, low, high, witness, certificate, note = JUDGED[claim[0]]
         verdicts.append((*claim[:4], claim[6], recomputed, claim[7], tolerance, verdict, claim[9], evidence, low, high,
-                         witness, claim[5], certificate, note, "", ""))  # fmt: skip
+                         witness, claim[5], certificate, note, "", "", ""))  # fmt: skip
     write(folder / "verdicts.csv", VERDICT_COLUMNS, verdicts)
     write(folder / "quantities.csv", QUANTITY_COLUMNS, FOUND)
     write(folder / "gains.csv", GAIN_COLUMNS, [

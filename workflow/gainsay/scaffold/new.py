@@ -48,7 +48,7 @@ def paper_files(name: str) -> Iterator[tuple[str, str]]:
         if path.suffix == ".py":
             text = text.replace(f"papers.{_EXAMPLE}", f"papers.{name}").replace(f'"{_EXAMPLE}"', f'"{name}"')
         yield file, _table(file, text) if file in TABLES else text
-    for file in ("errata.csv", "not_checked.csv"):
+    for file in ("errata.csv", "not_checked.csv", "replies.csv"):
         if not (_HERE / "paper" / file).is_file():
             yield file, _table(file, "")
 

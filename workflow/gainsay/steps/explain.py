@@ -62,6 +62,7 @@ def _parts(case: Case, claim: Claim) -> Iterator[tuple[str, str]]:
     yield "verdict", f"{found['verdict']} ({as_expected})"
     yield "weight", claim.weight
     yield "the scan", f"to blame: {claim.ocr}" if claim.ocr else ""
+    yield "digits", f"read from the scan alone: {found['digits']}" if found.get("digits") else ""
     yield "evidence", found["evidence"]
     for quantity in claim.quantity.split():
         row = _found(case, "quantities", "quantity", quantity)
@@ -74,6 +75,9 @@ def _parts(case: Case, claim: Claim) -> Iterator[tuple[str, str]]:
         row = _found(case, "certificates", "certificate", name)
         yield "certificate", f"{name}: {row.get('says', 'missing')}"
         yield "check it", f"gainsay prove results/{case.name}/certificates/{name}.json"
+    for reply in case.replies_to(claim.id):
+        who = f", says {reply.who}" if reply.who else ""
+        yield "reply", f"disputed{who}: {reply.disputed}; on the ground: {reply.ground}; done: {reply.done}"
     for erratum in case.errata.values():
         if set(erratum.witness.split()) & {*claim.quantity.split(), *found["certificate"].split()}:
             yield "erratum", f"{erratum.id}: {erratum.printed} -> {erratum.corrected}"

@@ -27,6 +27,7 @@ from gainsay.tables.models import (
     RecordedCertificate,
     RecordedRead,
     RecordedScan,
+    Reply,
 )
 from gainsay.tables.reading import PrintedMatrix, read_matrix, read_paper_file, read_rows
 from gainsay.tables.reads import note
@@ -79,6 +80,7 @@ class Case:
     quantities : mapping of id to Quantity
     claims, errata : mapping of id to row
     not_checked : tuple of NotChecked
+    replies : tuple of Reply
     recorded : mapping of quantity to Recorded
     recorded_scans : mapping of (claim, item) to RecordedScan
     recorded_reads : mapping of (quantity, parameter) to RecordedRead
@@ -95,6 +97,7 @@ class Case:
     claims: Mapping[str, Claim]
     errata: Mapping[str, Erratum]
     not_checked: tuple[NotChecked, ...]
+    replies: tuple[Reply, ...]
     recorded: Mapping[str, Recorded]
     recorded_scans: Mapping[tuple[str, str], RecordedScan]
     recorded_reads: Mapping[tuple[str, str], RecordedRead]
@@ -157,6 +160,10 @@ class Case:
     def matrix(self, name: str) -> np.ndarray:
         """Return the nearest doubles of a printed matrix, read-only, in the unit of its row: as printed, not SI."""
         return self.printed(name).floats
+
+    def replies_to(self, claim: str) -> tuple[Reply, ...]:
+        """Return what is held against the verdict on a claim, in the order of the table."""
+        return tuple(reply for reply in self.replies if reply.claim == claim)
 
     @cached_property
     def assumed(self) -> dict[str, Parameter]:
@@ -246,6 +253,8 @@ def _check_parameter(row: Parameter, file: str, number: int) -> None:
         value = PrintedNumber(row.value).value
         if not (ends[0] <= value <= ends[1] if dots else value in ends):
             refuse("plausible", row.plausible, f"a {'range' if dots else 'list'} that contains the value {row.value}")
+    if row.digits and row.status != "printed":
+        refuse("digits", row.digits, "nothing, since the digits are ours")
     if row.plausible and row.type == "choice" and row.value not in row.plausible.split("|"):
         refuse("value", row.value, f"one of {row.plausible}")
 
@@ -305,6 +314,7 @@ def read_case(root: Path, paper: str) -> Case:
         claims=table("claims.csv", Claim, "id"),
         errata=table("errata.csv", Erratum, "id", needed=False),
         not_checked=tuple(read_rows(folder / "not_checked.csv", NotChecked, root).values()),
+        replies=tuple(read_rows(folder / "replies.csv", Reply, root, needed=False).values()),
         recorded=table("recorded.csv", Recorded, "quantity", needed=False),
         recorded_scans=table("recorded_scans.csv", RecordedScan, ("claim", "item"), needed=False),
         recorded_reads=table("recorded_reads.csv", RecordedRead, ("quantity", "parameter"), needed=False),

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from gainsay.errors import InputError, nearest
+from gainsay.errors import InputError, nearest, one_of
 from gainsay.exact.digits import PrintedNumber, double
 from gainsay.tables.models import Claim, Toleranced
 from gainsay.tables.units import to_si
@@ -265,6 +265,10 @@ def lint(case: "Case") -> None:
     for row, claim, expected in _sentence_faults(case):
         file = f"papers/{case.name}/claims.csv"
         raise InputError(f"claim {claim.id}:", file=file, row=row, field="where", value=claim.where, expected=expected)
+    for row, reply in enumerate(case.replies, start=_ROW_OF_FIRST):
+        if reply.claim not in case.claims:
+            faults = [("claim", reply.claim, one_of(reply.claim, case.claims))]
+            _refuse_first(faults, f"papers/{case.name}/replies.csv", row)
     for row, recorded in enumerate(case.recorded.values(), start=_ROW_OF_FIRST):
         quantity = case.quantities.get(recorded.quantity)
         faults = _recorded_faults(recorded)

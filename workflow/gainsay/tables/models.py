@@ -18,6 +18,7 @@ Comparator = Literal[
 ]  # fmt: skip
 Weight = Literal["misprint", "gap", "result", ""]
 Scan = Literal["possible", "excluded", "open", ""]
+Digits = Literal["scan", "confirmed", ""]
 Step = Literal["synthesis", "audit", "simulation"]
 Tolerance = Literal["exact", "rounding", "enclosed", "sampled", "floor"]
 ScanItem = Literal["outcome", "samples", "holding", "smallest", "largest", "turns_on", "holds_at", "fails_at"]
@@ -82,6 +83,16 @@ class Parameter(Row):
     )
     plausible: Text = Field(description="for what the paper leaves out and our method: `low..high` or `a|b|c`")
     note: Text = Field(description="why this value, or what the paper prints instead")
+    digits: Digits = Field(
+        default="",
+        description="of a printed value, how its digits were read: `confirmed` against the published page, or `scan` "
+        "(from a scan of the text alone), which empty means as well",
+    )
+
+    @property
+    def unconfirmed(self) -> bool:
+        """Whether the paper prints it and its digits were not held against the published page."""
+        return self.status == "printed" and self.digits != "confirmed"
 
 
 class Quantity(Row):
@@ -144,6 +155,16 @@ class Erratum(Row):
     witness: Filled = Field(description="the quantity or certificate that shows it")
     weight: Weight = Field(default="", description="as of a claim that does not hold")
     ocr: Scan = Field(default="", description="whether the scan of the text could be to blame")
+
+
+class Reply(Row):
+    """What somebody holds against a verdict: shown beside the claim, whatever became of it."""
+
+    claim: Slug = Field(description="the claim whose verdict is disputed")
+    disputed: Filled = Field(description="what of it, one sentence")
+    ground: Filled = Field(description="the ground given: another reading, a datum, a computation")
+    done: Filled = Field(description="what was done: the row that changed, or the reason why none did")
+    who: Text = Field(default="", description="who replies, such as `an author`; may be left out")
 
 
 class NotChecked(Row):
@@ -245,6 +266,7 @@ TABLES: dict[str, type[Row]] = {
     "claims.csv": Claim,
     "errata.csv": Erratum,
     "not_checked.csv": NotChecked,
+    "replies.csv": Reply,
     "recorded.csv": Recorded,
     "recorded_scans.csv": RecordedScan,
     "recorded_reads.csv": RecordedRead,

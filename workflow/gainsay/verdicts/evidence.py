@@ -68,6 +68,8 @@ class Evidence:
     scans : dict of claim to Outcome
     failures : list of dict
         step, where, task, message.
+    read : dict of certificate id to set of parameter names
+        The numbers and printed matrices that an accepted certificate reads.
     undecided : dict of quantity to reason
         What was computed of which neither side could be proved.
     """
@@ -79,6 +81,7 @@ class Evidence:
     lost: dict[str, list[str]] = field(default_factory=dict)
     scans: dict[str, Outcome] = field(default_factory=dict)
     failures: list[dict[str, str]] = field(default_factory=list)
+    read: dict[str, set[str]] = field(default_factory=dict)
     undecided: dict[str, str] = field(default_factory=dict)
 
     def proved_range(self, quantity: str) -> tuple[Fraction | float, Fraction | float, list[Concluded]]:
@@ -137,6 +140,8 @@ def read_evidence(case: Case) -> Evidence:
                 evidence.lost.setdefault(quantity, []).append(path.stem)
             continue
         evidence.certificates[path.stem] = proof.statement
+        entries = (certificate.data.get(sort, {}) for sort in ("number", "printed", "half_units"))
+        evidence.read[path.stem] = {name for found in entries for name in found}
         for conclusion in proof.conclusions:
             low, high = _ends(conclusion.relation, conclusion.value)
             evidence.concluded.setdefault(conclusion.quantity, []).append(

@@ -5,7 +5,19 @@ from gainsay.verdicts.evidence import Evidence, read_evidence
 from gainsay.verdicts.judge import Judgement, judge
 
 
-def _row(case: Case, claim_id: str, judged: Judgement) -> dict[str, object]:
+def _from_the_scan(case: Case, judged: Judgement, evidence: Evidence) -> list[str]:
+    """Return what a contradiction rests on of which the digits are from a scan of the text alone.
+
+    Where no certificate says what was read, it may be anything that the paper prints.
+    """
+    if judged.verdict != "contradicted":
+        return []
+    proofs = judged.certificate.split()
+    read = set().union(*(evidence.read[proof] for proof in proofs)) if proofs else set(case.parameters)
+    return [name for name, row in case.parameters.items() if name in read and row.unconfirmed]
+
+
+def _row(case: Case, claim_id: str, judged: Judgement, evidence: Evidence) -> dict[str, object]:
     claim = case.claims[claim_id]
     return {
         "claim": claim.id,
@@ -27,6 +39,7 @@ def _row(case: Case, claim_id: str, judged: Judgement) -> dict[str, object]:
         "note": "; ".join(note for note in (judged.note, claim.note) if note),
         "given": claim.given,
         "weight": claim.weight,
+        "digits": " ".join(_from_the_scan(case, judged, evidence)),
     }
 
 
@@ -45,4 +58,4 @@ def verdict_rows(case: Case) -> tuple[list[dict[str, object]], Evidence]:
     for claim in sorted(case.claims.values(), key=lambda claim: claim.comparator == "all_of"):
         judged[claim.id] = judge(case, claim, evidence, verdicts)
         verdicts[claim.id] = judged[claim.id].verdict
-    return [_row(case, claim_id, judged[claim_id]) for claim_id in case.claims], evidence
+    return [_row(case, claim_id, judged[claim_id], evidence) for claim_id in case.claims], evidence
