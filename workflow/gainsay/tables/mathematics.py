@@ -156,7 +156,8 @@ _WORDS = {
 #: columns that hold sentences
 SENTENCES = {
     "claims": ("statement", "basis", "note"), "errata": ("printed", "corrected", "effect"),
-    "not_checked": ("what", "reason"), "replies": ("disputed", "ground", "done"), "parameters": ("note",), "quantities": ("meaning",),
+    "not_checked": ("what", "reason"), "replies": ("disputed", "ground", "done"), "parameters": ("note",),
+    "quantities": ("meaning",),
 }  # fmt: skip
 
 
