@@ -226,7 +226,7 @@ def _claim_view(found: PaperResults, claim: Claim) -> ClaimView:
     row = found.verdicts.get(claim.id)
     verdict = row["verdict"] if row and row["verdict"] in VERDICTS else NONE_YET
     row = row or dict.fromkeys(("recomputed", "range_low", "range_high", "tolerance", "evidence", "witness", "verdict",
-                                "certificate", "note"), "")  # fmt: skip
+                                "certificate", "note", "digits"), "")  # fmt: skip
     joins = tuple(claim.quantity.split()) if claim.comparator == "all_of" else ()
     named = [] if joins else [claim.quantity, claim.published if claim.comparator == "less_than" else ""]
     quantities = tuple(quantity_view(found, name) for name in named if name in found.case.quantities)
