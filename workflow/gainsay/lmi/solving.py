@@ -220,14 +220,6 @@ def _endless(program: Program, scale: scaling.Scaling, attempts: list) -> Outcom
     return Unbounded(direction, replace(inside, objective=objective), tuple(attempts))
 
 
-def _limit(margins: tuple[float, ...], bounds: list[float]) -> float:
-    """Follow a bound, which is linear in a small margin, to margin zero."""
-    if len(bounds) < 2:
-        return np.nan
-    (m1, m2), (b1, b2) = margins[-2:], bounds[-2:]
-    return b2 - m2 * (b1 - b2) / (m1 - m2) if np.isfinite([b1, b2]).all() else np.nan
-
-
 def infimum(
     program: Program, margins: tuple[float, ...] | None = None, near: Values | None = None
 ) -> Infimum | Infeasible | Unbounded | Undecided:
@@ -237,7 +229,7 @@ def infimum(
     ----------
     program : Program
     margins : tuple of float, optional
-        Margins tried, from wide to narrow, for the points and for the multipliers; what fails its check is not used.
+        Margins tried, from narrow to wide, for the point and for the multipliers, until one passes its check.
         Ask for one where a point or multipliers are to be rounded: a large program has none of its own accord.
     near : mapping, optional
         As in `solve`.
@@ -282,32 +274,31 @@ def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None)
         found = large.enclosed(program, scale, solved, flat, attempts)
         if found is not None:
             return found
-    uppers, best = _uppers(program, scale, margins, solved, attempts)
-    lowers, proof = [-np.inf] * len(margins), {}
+    best = _upper(program, scale, margins, solved, attempts)
+    lower, proof = -np.inf, {}
     sharp, balanced = _sharpened(program, scale, flat, attempts)
     for dual_scale in (scale, balanced):
-        found, multipliers = _lowers(program, dual_scale, margins, attempts)
-        if max(found) > max(lowers):
-            lowers, proof = found, multipliers
-        if best.objective - max(lowers) < 1e-7 * abs(best.objective):
+        bound, multipliers = _lower(program, dual_scale, margins, attempts)
+        if bound > lower:
+            lower, proof = bound, multipliers
+        if best.objective - lower < 1e-7 * abs(best.objective):
             break
-    if not best.objective - max(lowers) < 1e-6 * max(abs(best.objective), scale.cost):
+    if not best.objective - lower < 1e-6 * max(abs(best.objective), scale.cost):
         bound, multipliers = duality.lower_bound(program, scale, flat.multipliers, _CUTS)
-        if bound > max(lowers):
-            lowers, proof = [bound], multipliers
-    lower, upper = max(lowers), best.objective
-    ends = [_limit(margins, side) for side in (lowers, uppers)]
-    value = float(np.mean([end for end in ends if np.isfinite(end)] or [upper]))
+        if bound > lower:
+            lower, proof = bound, multipliers
+    upper, values = best.objective, program.values(sharp)
+    value = float(program.objective.value(values)[0, 0])
     if not lower <= value <= upper:
         value = (lower + upper) / 2
     size = max(abs(lower), abs(upper), scale.cost)
     if not (np.isfinite(lower) and upper - lower <= _WIDEST * size):
         value = float("nan")
     best = replace(best, attempts=tuple(attempts))
-    return Infimum(value, lower, upper, program.values(sharp), best, proof, tuple(attempts))
+    return Infimum(value, lower, upper, values, best, proof, tuple(attempts))
 
 
-_MARGINS = (1e-7, 1e-8, 1e-9)
+_MARGINS = (1e-9, 1e-8, 1e-7)
 # least relative eigenvalues kept of multipliers at an optimum that has no interior ones
 _CUTS = (1e-6, 1e-4, 1e-8)
 # widest enclosure, relative to the size of the objective, within which a value is given
@@ -328,32 +319,30 @@ def _sharpened(program: Program, scale: scaling.Scaling, flat: backends.Raw, att
     return x, balanced
 
 
-def _uppers(program: Program, scale: scaling.Scaling, margins: tuple, best: Solved, attempts: list) -> tuple:
-    scaled, uppers = scaling.apply(program, scale), []
-    for margin in margins:
+def _upper(program: Program, scale: scaling.Scaling, margins: tuple, best: Solved, attempts: list) -> Solved:
+    """A point as near to the infimum as a margin lets it be."""
+    scaled = scaling.apply(program, scale)
+    for margin in sorted(margins):
         raw = backends.run(scaled, program.constraints, margin)
         record = {**raw.record, "aim": "upper", "asked": margin}
-        uppers.append(np.nan)
-        if raw.x is not None:
-            point = proved_point(program, scale, raw.x * scale.unknowns, abs(raw.primal - raw.dual))
-            if point is not None:
-                record |= {"objective": point.objective, "margin": point.check.worst}
-                uppers[-1] = point.objective
-                if point.objective < best.objective:
-                    best = point
         attempts.append(record)
-    return uppers, best
+        if raw.x is None:
+            continue
+        point = proved_point(program, scale, raw.x * scale.unknowns, abs(raw.primal - raw.dual))
+        if point is not None:
+            record |= {"objective": point.objective, "margin": point.check.worst}
+            return point if point.objective < best.objective else best
+    return best
 
 
-def _lowers(program: Program, scale: scaling.Scaling, margins: tuple, attempts: list) -> tuple[list[float], dict]:
-    lowers, proof = [], {}
-    for margin in margins:
+def _lower(program: Program, scale: scaling.Scaling, margins: tuple, attempts: list) -> tuple[float, dict]:
+    """A bound from multipliers as near to the optimum as a margin lets them be; minus infinity where none is proved."""
+    for margin in sorted(margins):
         multipliers, raw = duality.pushed_inside(program, scale, margin)
         bound, corrected = -np.inf, {}
         if multipliers is not None and all(np.isfinite(m).all() for m in multipliers):
             bound, corrected = duality.lower_bound(program, scale, multipliers)
-        if bound > max(lowers, default=-np.inf):
-            proof = corrected
-        lowers.append(bound)
         attempts.append({**raw.record, "aim": "lower", "asked": margin, "objective": bound})
-    return lowers, proof
+        if np.isfinite(bound):
+            return bound, corrected
+    return -np.inf, {}
