@@ -124,8 +124,8 @@ class Infimum:
     Attributes
     ----------
     value : float
-        The objective at `values`; the middle of the enclosure where that lies outside it; nan where the two sides do not
-        enclose it to a tenth of the size of the objective.
+        The objective at `values`; the middle of the enclosure where that lies outside it; nan where the two sides do
+        not enclose it to a tenth of the size of the objective.
     lower, upper : float
         Proved bounds from multipliers (-inf where there are none) and from a point.
     values : dict
