@@ -30,6 +30,7 @@ test-slow: environment
 lint: environment
 	@$(RUN) ruff check .
 	@$(RUN) ruff format --check .
+	@$(RUN) mypy
 	@$(RUN) snakefmt --check Snakefile workflow/gainsay/rules
 	@$(RUN) gainsay lint
 	@$(RUN) gainsay docs --check

@@ -11,10 +11,10 @@ from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 from gainsay.dynamics import attitude
 from gainsay.exact.ball import ball, hull, lower, precision, upper
 from gainsay.proof import build
+from gainsay.results import Results, task
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_enclosure
 from gainsay.systems.regions import Disk, HalfPlane
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from gainsay.verdicts.scan import plausible, scan
 from papers.li2021 import identities, plant, response
 from papers.li2021.certify import COMPARISON, PRINTED

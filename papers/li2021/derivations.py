@@ -1,10 +1,10 @@
 """The derivations of li2021 as implications that hold for every plant: Theorem 1, Appendices I and II."""
 
 from gainsay.proof import Certificate
+from gainsay.results import Results, task
 from gainsay.statements import Step, implication, symmetric
 from gainsay.statements.unknowns import matrix
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from papers.li2021.statements import (
     EQ12,
     EQ15,

@@ -10,9 +10,9 @@ from matplotlib.patches import Circle
 from gainsay.figures import FigureSpec, bound, curve, curves, finish, panels
 from gainsay.logs import Log
 from gainsay.logs.palette import role
+from gainsay.results.returned import read_part
 from gainsay.systems.norms import hinf_norm
 from gainsay.tables import Case
-from gainsay.tables.returned import read_part
 from papers.li2021 import plant
 
 ANGLES = ("roll", "pitch", "yaw")

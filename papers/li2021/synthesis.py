@@ -8,11 +8,11 @@ from scipy.linalg import block_diag, solve_continuous_lyapunov
 from gainsay.errors import ComputationError
 from gainsay.lmi import Program, Solved, infimum, solve
 from gainsay.proof import build
+from gainsay.results import Results, task
 from gainsay.statements import Stated
 from gainsay.systems.norms import hinf_enclosure
 from gainsay.tables import Case
 from gainsay.tables.designs import Design
-from gainsay.tables.results import Results, task
 from papers.li2021 import certify, derivations, equivalence, identities, lmis, plant, proofs
 from papers.li2021.statements import EQ20, TABLES, linear_13
 

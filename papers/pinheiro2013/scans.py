@@ -16,8 +16,8 @@ from itertools import product
 import numpy as np
 
 from gainsay.errors import ComputationError
+from gainsay.results import task
 from gainsay.systems.norms import h2_norm
-from gainsay.tables.results import task
 from gainsay.verdicts.scan import Plausible, plausible, scan
 from papers.pinheiro2013 import gains, mixed, responses
 from papers.pinheiro2013.plant import GROUPS, GeneralizedPlant, Satellite, generalized_plant, perturbed

@@ -7,9 +7,9 @@ import numpy as np
 from gainsay.errors import ComputationError, InputError
 from gainsay.lmi import Infimum, Solved, infimum, sweep
 from gainsay.proof import build
+from gainsay.results import task
 from gainsay.statements import Stated, enclose, prove
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
-from gainsay.tables.results import task
 from papers.pinheiro2013 import gains, mixed, pitch, statements
 from papers.pinheiro2013.plant import GROUPS, RECONSTRUCTIONS, GeneralizedPlant, generalized_plant, reconstruction
 

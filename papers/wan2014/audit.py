@@ -12,10 +12,10 @@ from scipy.linalg import solve_continuous_lyapunov
 from gainsay.dynamics.relative_orbit import clohessy_wiltshire, relative_acceleration
 from gainsay.exact.ball import precision
 from gainsay.proof import Certificate, build
+from gainsay.results import Results, task
 from gainsay.simulation.ode import integrate
 from gainsay.systems.pole_sets import match_poles, pole_clusters
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from papers.wan2014 import plant
 from papers.wan2014.scans import over_starts, start_boundary
 from papers.wan2014.statements import A_FORMULA

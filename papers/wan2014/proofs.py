@@ -7,9 +7,9 @@ import numpy as np
 
 from gainsay.exact.rational import shorten
 from gainsay.proof import Certificate, build
+from gainsay.results import Results
 from gainsay.statements import Stated, matrix, scalar, symmetric
 from gainsay.tables import Case
-from gainsay.tables.results import Results
 from papers.wan2014.plant import AXES
 from papers.wan2014.statements import EQ14, EQ29, OBSERVER, SYSTEM, closed_loop, farkas_multipliers
 

@@ -7,10 +7,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from gainsay.errors import ComputationError
+from gainsay.results import Results, task
 from gainsay.simulation.batch import Segment, polished_crossing, polished_peak, segments
 from gainsay.simulation.ode import Trajectory, largest, last_crossing
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from gainsay.verdicts.scan import corners, plausible, sample, scan
 from papers.wan2014.plant import ESTIMATE, POSITION, VELOCITY, ClosedLoop
 

@@ -5,10 +5,10 @@ import numpy as np
 from gainsay.errors import ComputationError
 from gainsay.lmi import Infimum, Solved, infimum
 from gainsay.proof.formulas import names_in
+from gainsay.results import Results, task
 from gainsay.statements import Stated, enclose, prove
 from gainsay.systems.statespace import spectral_abscissa
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from papers.wan2014 import derivations, digits, plant, proofs, searches
 from papers.wan2014.plant import AXES
 from papers.wan2014.statements import (

@@ -9,12 +9,12 @@ from flint import fmpq
 from gainsay.errors import ComputationError
 from gainsay.exact.ball import ball, hull, lower, precision, upper
 from gainsay.proof.build import certificate
+from gainsay.results import Results, task
 from gainsay.statements import prove
 from gainsay.systems.delay import DelayMargin, DelaySystem
 from gainsay.systems.delay_bounds import bessel_legendre
 from gainsay.systems.delay_spectrum import hinf_norm, rightmost_roots, spectral_abscissa, unstable_root_count
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from gainsay.verdicts.scan import plausible, scan
 from papers.zhang2013 import derivations, flight, proofs
 from papers.zhang2013.bounds import (

@@ -1,8 +1,8 @@
 """The derivations of zhang2013, step by step, as identities: (2), (5), (7), Lemma 1, (12) to (22)."""
 
+from gainsay.results import Results, task
 from gainsay.statements import Statement, Step, implication, matrix, scalar
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from papers.zhang2013.proofs import differing, identical
 from papers.zhang2013.statements import PARTS, PRINTED_LOOP, equation_9, functional
 

@@ -5,10 +5,10 @@ from flint import fmpq
 
 from gainsay.errors import ComputationError
 from gainsay.lmi import Infimum, Solved
+from gainsay.results import Results, task
 from gainsay.statements import Stated, prove
 from gainsay.systems.delay_spectrum import hinf_norm, spectral_abscissa
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from papers.zhang2013 import misprints, proofs
 from papers.zhang2013.bounds import enclosed_norm, flexible_point, least_gamma, standing
 from papers.zhang2013.plant import Spacecraft

@@ -31,7 +31,7 @@ SEARCHES = {"repaired": lambda case: FoundDesign(
 """,
     "audit.py": """
 from gainsay.proof import build
-from gainsay.tables.results import task
+from gainsay.results import task
 
 
 @task("(1)")

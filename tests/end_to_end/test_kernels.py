@@ -11,7 +11,7 @@ from gainsay.verdicts.record import record_paper
 AUDIT = """
 import os
 
-from gainsay.tables.results import task
+from gainsay.results import task
 
 
 @task("(1)")

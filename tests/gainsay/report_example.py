@@ -5,8 +5,8 @@ import json
 from pathlib import Path
 
 from gainsay.report import write_index, write_paper
+from gainsay.results.returned import FAILURE_COLUMNS, GAIN_COLUMNS, QUANTITY_COLUMNS, VERDICT_COLUMNS
 from gainsay.tables.models import TABLES, columns
-from gainsay.tables.returned import FAILURE_COLUMNS, GAIN_COLUMNS, QUANTITY_COLUMNS, VERDICT_COLUMNS
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.published import PUBLISHED_COLUMNS
 

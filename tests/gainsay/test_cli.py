@@ -7,10 +7,10 @@ import pytest
 
 from gainsay import cli
 from gainsay.cli import LONGEST, MOST_LINES
+from gainsay.results import Results
 from gainsay.steps.command import step_command
 from gainsay.steps.modules import paper_module
 from gainsay.tables import read_case
-from gainsay.tables.results import Results
 
 COMMANDS = [
     "new",
@@ -139,7 +139,7 @@ def test_modules_of_a_paper_come_from_the_project_of_its_tables(project):
     (project.root / "papers" / "__init__.py").write_text("")
     project.file("__init__.py").write_text("")
     project.file("audit.py").write_text(
-        "from gainsay.tables.results import task\n\n"
+        "from gainsay.results import task\n\n"
         "@task('(1)')\ndef one(case, results):\n    results.quantity('audit.length', 1.5, method='m')\n\n"
         "TASKS = (one,)\n"
     )

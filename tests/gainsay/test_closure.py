@@ -53,7 +53,7 @@ def toy(project):
     project.file("__init__.py").write_text("")
     project.file("helper.py").write_text("LENGTH = 1.5\n")
     project.file("audit.py").write_text(
-        "from gainsay.tables.results import task\n\n\n"
+        "from gainsay.results import task\n\n\n"
         '@task("(1)")\ndef length(case, results):\n    from papers.toy.helper import LENGTH\n\n'
         '    results.quantity("audit.length", LENGTH, method="by hand")\n\n\nTASKS = (length,)\n'
     )

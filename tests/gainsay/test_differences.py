@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.results import Results
+from gainsay.results.listing import LISTING_COLUMNS
 from gainsay.steps.compare import compare
 from gainsay.steps.verdicts import verdicts
 from gainsay.tables.designs import FoundDesign, write_design
 from gainsay.tables.files import read_records, write_atomically, write_csv, write_json
-from gainsay.tables.listing import LISTING_COLUMNS
 from gainsay.tables.models import Recorded
-from gainsay.tables.results import Results
 from gainsay.verdicts.differences import differences, scan_differences
 from gainsay.verdicts.evidence import read_evidence
 from gainsay.verdicts.record import record_paper

@@ -1,6 +1,7 @@
 import ast
 import subprocess
 import sys
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -9,8 +10,8 @@ ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "workflow" / "gainsay"
 #: from the ground up; what stands together may import each other
 FLOORS = (
-    ("errors",), ("exact",), ("tables",), ("proof",), ("lmi",), ("statements",), ("systems",), ("dynamics",),
-    ("simulation",), ("logs",), ("figures",), ("verdicts",), ("report",),
+    ("errors",), ("exact",), ("tables",), ("results",), ("proof",), ("lmi",), ("statements",), ("systems",),
+    ("dynamics",), ("simulation",), ("logs",), ("figures",), ("verdicts",), ("report",),
     ("steps", "cli", "bench", "rules", "scaffold", "__main__"),
 )  # fmt: skip
 LEVEL = {name: level for level, floor in enumerate(FLOORS) for name in floor}
@@ -61,6 +62,16 @@ def test_imports_go_down_the_floors_only(path):
 def test_cvxpy_and_solvers_stay_on_their_floor(path):
     heavy = {module.split(".")[0] for module in imported(path)} & {"cvxpy", "clarabel", "scs", "ecos", "osqp"}
     assert not heavy or floor_of(path) == "lmi", f"{identity(path)} imports {heavy}"
+
+
+def test_no_module_imports_itself_by_way_of_others():
+    names = {".".join(path.relative_to(LIBRARY.parent).with_suffix("").parts): path for path in MODULES}
+    names = {name.removesuffix(".__init__"): path for name, path in names.items()}
+    below = {name: sorted(imported(path) & names.keys() - {name}) for name, path in names.items()}
+    try:
+        TopologicalSorter(below).prepare()
+    except CycleError as error:
+        pytest.fail(f"a circle of imports: {' -> '.join(error.args[1])}")
 
 
 def floor_of(path: Path) -> str:

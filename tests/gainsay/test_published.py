@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from gainsay.exact.digits import PrintedNumber
+from gainsay.results import Results
 from gainsay.steps.verdicts import verdicts
 from gainsay.tables.reading import PrintedMatrix
-from gainsay.tables.results import Results
 from gainsay.verdicts.published import (
     PUBLISHED_COLUMNS,
     published_rows,

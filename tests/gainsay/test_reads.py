@@ -3,9 +3,9 @@
 import pytest
 
 from gainsay.errors import InputError
+from gainsay.results import Results, run_tasks, task
 from gainsay.tables.files import read_records
 from gainsay.tables.reads import recording
-from gainsay.tables.results import Results, run_tasks, task
 from gainsay.verdicts.plausible import plausible
 from gainsay.verdicts.record import reads_of
 from gainsay.verdicts.scan import scan

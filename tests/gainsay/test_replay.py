@@ -12,10 +12,10 @@ import pytest
 from gainsay.cli import main
 from gainsay.errors import LogError
 from gainsay.logs import LogWriter, Measured, RunSpec, read_log
+from gainsay.results.returned import QUANTITY_COLUMNS, read_part
 from gainsay.steps.replay import replay
 from gainsay.steps.simulation import provenance, simulation
 from gainsay.tables.files import write_csv
-from gainsay.tables.returned import QUANTITY_COLUMNS, read_part
 
 #: what docs/robustness.md says of the large log
 TRIED = [
@@ -152,7 +152,7 @@ from gainsay.logs import LogWriter, Measured, RunSpec, read_log
 from gainsay.steps import replay, simulation
 from gainsay.tables import read_case
 from gainsay.tables.files import write_csv
-from gainsay.tables.returned import QUANTITY_COLUMNS, read_part
+from gainsay.results.returned import QUANTITY_COLUMNS, read_part
 
 root, samples = Path(sys.argv[1]), int(sys.argv[2])
 

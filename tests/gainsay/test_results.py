@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from gainsay.errors import CertificateError, ComputationError, InputError, LogError
+from gainsay.results import Results, run_tasks, task
+from gainsay.results.listing import damage
+from gainsay.results.returned import read_part
 from gainsay.tables.contract import CONTRACT
-from gainsay.tables.listing import damage
-from gainsay.tables.results import Results, run_tasks, task
-from gainsay.tables.returned import read_part
 
 
 class Paper:

@@ -20,6 +20,8 @@ from gainsay.errors import ComputationError, InputError
 from gainsay.proof import build
 from gainsay.report import read_results
 from gainsay.report.page import render_paper
+from gainsay.results import Results
+from gainsay.results.returned import read_returned
 from gainsay.steps.check import check
 from gainsay.steps.compare import compare
 from gainsay.steps.page import page
@@ -28,8 +30,6 @@ from gainsay.steps.verdicts import verdicts
 from gainsay.tables import read_case
 from gainsay.tables.designs import FoundDesign, write_design
 from gainsay.tables.files import read_records, write_atomically
-from gainsay.tables.results import Results
-from gainsay.tables.returned import read_returned
 from gainsay.verdicts.plausible import Plausible
 from gainsay.verdicts.record import record_paper
 from gainsay.verdicts.scan import Scan

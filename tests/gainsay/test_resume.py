@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from gainsay.errors import InputError
+from gainsay.results.listing import damage, write_listing
+from gainsay.results.returned import FAILURE_COLUMNS
 from gainsay.steps import holding
 from gainsay.steps.resume import AFTER, forget_damaged
 from gainsay.tables.files import write_csv
-from gainsay.tables.listing import damage, write_listing
-from gainsay.tables.returned import FAILURE_COLUMNS
 
 STEPS = tuple(AFTER)
 

@@ -12,6 +12,8 @@ from gainsay.exact.matrix import Matrix
 from gainsay.lmi import Infeasible, Infimum, Solved, Undecided, infimum, interior_multipliers, solve
 from gainsay.proof import formulas
 from gainsay.proof.scope import MappingTables, Reader
+from gainsay.results import Results
+from gainsay.results.returned import read_part
 from gainsay.statements import (
     Stated,
     Statement,
@@ -27,8 +29,6 @@ from gainsay.statements import (
     statement,
     symmetric,
 )
-from gainsay.tables.results import Results
-from gainsay.tables.returned import read_part
 
 TABLES = MappingTables(
     numbers={"mass": "2.5", "third": "1/3"},

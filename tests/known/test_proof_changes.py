@@ -117,8 +117,8 @@ def made_by_papers(folder):
     """Certificates of the papers, made by tasks of their own steps in a copy of the project."""
     from importlib import import_module
 
+    from gainsay.results import Results, run_tasks
     from gainsay.tables import read_case
-    from gainsay.tables.results import Results, run_tasks
 
     shutil.copytree(ROOT / "papers", folder / "papers")
     for name in ("Snakefile", "pyproject.toml"):

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from gainsay.results import Results, run_tasks
 from gainsay.tables import paper_names, read_case
 from gainsay.tables.files import read_records
-from gainsay.tables.results import Results, run_tasks
 from gainsay.tables.units import to_si
 
 ROOT = Path(__file__).parents[2]

@@ -6,9 +6,9 @@ import pytest
 
 from gainsay.errors import InputError
 from gainsay.proof import check
+from gainsay.results import Results, run_tasks
 from gainsay.systems.norms import hinf_norm
 from gainsay.tables import read_case
-from gainsay.tables.results import Results, run_tasks
 from papers.pinheiro2013 import audit, mixed, responses, scans, synthesis
 from papers.pinheiro2013.plant import generalized_plant, reconstruction
 from papers.pinheiro2013.runs import RUNS

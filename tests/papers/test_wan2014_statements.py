@@ -12,7 +12,7 @@ import pytest
 from gainsay.exact.matrix import Matrix
 from gainsay.proof import check, formulas
 from gainsay.proof.scope import MappingTables
-from gainsay.tables.case import read_case
+from gainsay.tables.folder import read_case
 from papers.wan2014 import derivations, statements
 
 ROOT = Path(__file__).parents[2]

@@ -9,7 +9,7 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 from gainsay.errors import CertificateError
 from gainsay.lmi import Infeasible, Solved, infimum
 from gainsay.proof import check
-from gainsay.tables.case import read_case
+from gainsay.tables.folder import read_case
 from papers.wan2014 import digits, plant, proofs, searches, statements
 
 ROOT = Path(__file__).parents[2]

@@ -54,7 +54,7 @@ class InputError(GainsayError, ValueError):
         row: int | None = None,
         field: str | None = None,
         value: object = None,
-        expected: str | None = None,
+        expected: str = "",
     ) -> None:
         self.message, self.file, self.row = message, file, row
         self.field, self.value, self.expected = field, value, expected
@@ -72,7 +72,7 @@ class InputError(GainsayError, ValueError):
             what.append(_found(self.value))
         if what:
             parts.append(" ".join(what))
-        if self.expected is not None:
+        if self.expected:
             parts.append(f"expected {self.expected}")
         return one_line(": ".join(parts))
 

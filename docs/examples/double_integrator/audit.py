@@ -1,9 +1,9 @@
 """What the printed gain does."""
 
 from gainsay.proof import build
+from gainsay.results import Results, task
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from gainsay.verdicts.scan import plausible, scan
 from papers.double_integrator import runs
 from papers.double_integrator.plant import FORMULAS, B, closed_loop, cost

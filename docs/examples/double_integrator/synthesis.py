@@ -6,8 +6,8 @@ from scipy.linalg import solve_continuous_are
 from gainsay.errors import ComputationError
 from gainsay.exact.ball import lower, precision, upper
 from gainsay.proof import build
+from gainsay.results import Results, task
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from papers.double_integrator.plant import FORMULAS, A, B, Q
 
 

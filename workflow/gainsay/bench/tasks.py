@@ -90,10 +90,10 @@ def _of_paper(root: Path, paper: str) -> list[TaskRow]:
 
         from gainsay.proof import check
         from gainsay.proof.build import accepted
+        from gainsay.results import Results
+        from gainsay.results.returned import read_part
         from gainsay.steps.simulation import simulate
         from gainsay.tables import read_case
-        from gainsay.tables.results import Results
-        from gainsay.tables.returned import read_part
 
         owners = {"synthesis": "synthesis", "audit": "audit", "simulation": "runs"}
         modules = {step: import_module(f"papers.{paper}.{owner}") for step, owner in owners.items()}

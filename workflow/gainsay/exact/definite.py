@@ -127,7 +127,7 @@ def _ball_gershgorin(matrix: arb_mat) -> bool:
     middle = matrix.mid().tolist()
     factor: list[list[arb]] = []
     for i in range(size):
-        line = []
+        line: list[arb] = []
         for j in range(i):
             entry = middle[i][j] - sum((line[k] * factor[j][k] for k in range(j)), arb(0))
             line.append((entry / factor[j][j]).mid())

@@ -43,6 +43,7 @@ class PrintedNumber:
     def half_unit(self) -> Fraction:
         """Half a unit of the last printed digit: the largest rounding error of a correct print."""
         match = _DECIMAL.fullmatch(self.text)
+        assert match, "checked when made"
         decimals = len(match["decimals"] or "")
         return Fraction(10) ** (int(match["exponent"] or 0) - decimals) / 2
 

@@ -23,7 +23,7 @@ from gainsay.exact.budget import (
 )
 from gainsay.exact.rational import rational_matrix, to_fmpq
 
-__all__ = ["Matrix", "RingError", "block", "diagonal", "eye", "kron", "zeros"]
+__all__ = ["Matrix", "RingError", "eye", "fits", "zeros"]
 
 RATIONAL, BALL, POLYNOMIAL = "rational", "ball", "polynomial"
 
@@ -65,7 +65,7 @@ class Matrix:
 
     def _measured(self) -> tuple[int, int]:
         """Largest bits of an entry or coefficient (0 for balls), and number of terms; refused where too large."""
-        _fits(self.shape)
+        fits(self.shape)
         count = self.shape[0] * self.shape[1]
         spend(1000 + 50 * count, f"a matrix of shape {self.shape}")
         if self.ring == BALL:
@@ -290,7 +290,7 @@ class Matrix:
             raise RingError(f"rows {list(rows)}, columns {list(columns)} of shape {self.shape}")
         if not rows or not columns:
             raise RingError("a sub-matrix without entries")
-        _fits((len(rows), len(columns)))
+        fits((len(rows), len(columns)))
         entries = self.rows()
         picked = [[entries[i][j] for j in columns] for i in rows]
         if self.ring == POLYNOMIAL:
@@ -309,7 +309,8 @@ class Matrix:
         return Matrix(arb_mat([[function(x) for x in row] for row in self.to_ball().rows()]))
 
 
-def _fits(shape: tuple[int, int]) -> None:
+def fits(shape: tuple[int, int]) -> None:
+    """Refuse a shape that is too large."""
     if max(shape) > LARGEST_SIDE:
         raise BudgetError(f"a matrix of shape {shape}: the largest side is {LARGEST_SIDE}")
 
@@ -355,81 +356,11 @@ def _common_bits(matrix: Matrix) -> int:
 
 def zeros(rows: int, columns: int) -> Matrix:
     """Zero matrix."""
-    _fits((rows, columns))
+    fits((rows, columns))
     return Matrix(fmpq_mat(rows, columns))
 
 
 def eye(size: int) -> Matrix:
     """Identity matrix."""
-    _fits((size, size))
+    fits((size, size))
     return Matrix(fmpq_mat([[int(i == j) for j in range(size)] for i in range(size)]))
-
-
-def _common(matrices: Sequence[Matrix]) -> list[Matrix]:
-    rings = {m.ring for m in matrices}
-    if POLYNOMIAL in rings:
-        context = next(m for m in matrices if m.ring == POLYNOMIAL).entry(0, 0).context()
-        return [m.to_polynomial(context) for m in matrices]
-    return [m.to_ball() for m in matrices] if BALL in rings else list(matrices)
-
-
-def block(rows: Sequence[Sequence[Matrix | None]]) -> Matrix:
-    """Block matrix; the number 0 fills a block of any size, None stands for the transpose of the mirrored block.
-
-    Raises
-    ------
-    RingError
-        If the blocks do not fit together.
-    """
-    count = len(rows[0]) if rows else 0
-    if not count or any(len(row) != count for row in rows):
-        counts = ", ".join(str(len(row)) for row in rows)
-        raise RingError(f"block rows differ in length: {counts or 'no'} blocks")
-    grid: list[list[Matrix]] = []
-    for i, row in enumerate(rows):
-        line = []
-        for j, entry in enumerate(row):
-            mirrored = entry
-            if entry is None:
-                mirrored = rows[j][i] if j < len(rows) and i < len(rows[j]) else None
-                if mirrored is None:
-                    raise RingError(f"block ({i}, {j}) stands for the transpose of a block that is not given")
-                mirrored = mirrored.T
-            line.append(mirrored)
-        grid.append(line)
-
-    def fills(entry: Matrix) -> bool:
-        return entry.is_number and entry.ring == RATIONAL and entry.data[0, 0] == 0
-
-    heights = [max((m.shape[0] for m in line if not fills(m)), default=1) for line in grid]
-    widths = [max((line[j].shape[1] for line in grid if not fills(line[j])), default=1) for j in range(count)]
-    _fits((sum(heights), sum(widths)))
-    flat = []
-    for i, line in enumerate(grid):
-        for j, entry in enumerate(line):
-            placed = zeros(heights[i], widths[j]) if fills(entry) else entry
-            if placed.shape != (heights[i], widths[j]):
-                raise RingError(f"block ({i}, {j}) has shape {placed.shape}, expected {(heights[i], widths[j])}")
-            flat.append(placed)
-    flat = _common(flat)
-    entries = []
-    for i, height in enumerate(heights):
-        lines = [flat[i * count + j].rows() for j in range(count)]
-        entries += [[x for part in lines for x in part[k]] for k in range(height)]
-    ring = flat[0].ring
-    if ring == POLYNOMIAL:
-        return Matrix(entries)
-    return Matrix(arb_mat(entries) if ring == BALL else rational_matrix(entries))
-
-
-def diagonal(blocks: Sequence[Matrix]) -> Matrix:
-    """Block-diagonal matrix; numbers are blocks of size one."""
-    zero = [[zeros(a.shape[0], b.shape[1]) for b in blocks] for a in blocks]
-    return block([[m if i == j else zero[i][j] for j in range(len(blocks))] for i, m in enumerate(blocks)])
-
-
-def kron(left: Matrix, right: Matrix) -> Matrix:
-    """Kronecker product."""
-    shape = tuple(a * b for a, b in zip(left.shape, right.shape, strict=True))
-    _fits(shape)
-    return block([[right.scaled(Matrix.number(x)) for x in row] for row in left.rows()])

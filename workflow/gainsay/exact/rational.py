@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from fractions import Fraction
 from numbers import Integral, Rational, Real
+from typing import Any
 
 from flint import fmpq, fmpq_mat
 
@@ -130,7 +131,23 @@ def shorten_matrix(values: object, digits: int, symmetric: bool = False) -> fmpq
     return rational_matrix([[shorten(x, digits) for x in row] for row in rows])
 
 
-def float_rows(values: object) -> list[list[float]]:
+def doubles_around(low: Fraction, high: Fraction) -> tuple[float, float]:
+    """Return the nearest doubles that enclose an interval.
+
+    Examples
+    --------
+    >>> lower, upper = doubles_around(Fraction(1, 10), Fraction(1, 10))
+    >>> Fraction(lower) <= Fraction(1, 10) <= Fraction(upper), lower == upper
+    (True, False)
+    """
+    lower, upper = float(low), float(high)
+    return (
+        lower if Fraction(lower) <= low else math.nextafter(lower, -math.inf),
+        upper if Fraction(upper) >= high else math.nextafter(upper, math.inf),
+    )
+
+
+def float_rows(values: Any) -> list[list[float]]:
     """Nested lists of floats of an array, a nested sequence or a scalar."""
     listed = values.tolist() if hasattr(values, "tolist") else values
     if not isinstance(listed, Sequence):

@@ -267,8 +267,8 @@ def stacked(rows: Sequence[Sequence[Words | None]], letters: Mapping[str, Letter
     for i, row in enumerate(rows):
         cells.append([])
         for j, cell in enumerate(row):
-            across = rows[j][i] if cell is None and j < len(rows) and i < len(rows[j]) else None
-            chosen = across.T if across is not None else cell
+            mirrored = rows[j][i] if cell is None and j < len(rows) and i < len(rows[j]) else None
+            chosen = mirrored.T if mirrored is not None else cell
             if chosen is None:
                 raise WordsError("a star without a block across the diagonal")
             cells[i].append(chosen)

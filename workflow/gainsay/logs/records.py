@@ -84,7 +84,7 @@ class Place:
     file: str
     chunk: int | None = None
 
-    def error(self, message: str, offset: int, expected: str | None = None) -> LogError:
+    def error(self, message: str, offset: int, expected: str = "") -> LogError:
         """Return the error that names a byte."""
         place = f"byte {offset}" if self.chunk is None else f"byte {offset} of the chunk at byte {self.chunk}"
         return LogError(f"broken at {place}: {message}", file=self.file, expected=expected)

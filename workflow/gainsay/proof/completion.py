@@ -187,10 +187,10 @@ def cancelling(
         except Unsolvable as error:
             raise scope.fail(f"no multipliers make the unknowns cancel ({error})") from error
         total = -slack
-        for (name, i, j), value in zip(places, solved, strict=True):
-            near[name][i][j] = value
+        for (name, i, j), completed in zip(places, solved, strict=True):
+            near[name][i][j] = completed
             if forms[name][1] != "==" and i != j and forms[name][0].shape[0] == forms[name][0].shape[1]:
-                near[name][j][i] = value
+                near[name][j][i] = completed
         for name, (form, _) in forms.items():
             total = total + inner(Matrix.of(near[name]), form)
         return near, greatest_over_boxes(scope, total, boxes)

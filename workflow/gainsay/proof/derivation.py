@@ -112,7 +112,7 @@ class _Reading:
             sizes = [literal_integer(x) for x in args]
             if 0 in sizes:
                 raise WordsError("a matrix without entries")
-            return identity(sizes[0], self.letters) if name == "eye" else nothing(*sizes, self.letters)
+            return identity(sizes[0], self.letters) if name == "eye" else nothing(sizes[0], sizes[1], self.letters)
         values = [self.visit(x) for x in args]
         match name:
             case "sym":

@@ -39,8 +39,9 @@ from flint import arb, fmpq
 
 from gainsay.errors import CertificateError
 from gainsay.exact.ball import hull
+from gainsay.exact.blocks import block, diagonal, kron
 from gainsay.exact.budget import spend
-from gainsay.exact.matrix import Matrix, RingError, block, diagonal, eye, kron, zeros
+from gainsay.exact.matrix import Matrix, RingError, eye, zeros
 from gainsay.exact.rational import exact
 from gainsay.proof.syntax import (
     OPERATORS,

@@ -11,6 +11,7 @@ import signal
 import sys
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 from gainsay.errors import CertificateError, GainsayError
 from gainsay.proof.checker import Proof, check_file
@@ -41,7 +42,7 @@ def check_file_within(path: Path, root: Path, seconds: float) -> Proof:
     InputError
         If the paper's tables cannot be read.
     """
-    context = multiprocessing.get_context("fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn")
+    context: Any = multiprocessing.get_context("fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn")
     receiver, sender = context.Pipe(duplex=False)
     child = context.Process(target=_work, args=(sender, path, root), daemon=True)
     child.start()

@@ -11,7 +11,8 @@ unmodeled dynamics", IEEE Transactions on Automatic Control 36 (1991) 25-38; Boy
 
 from dataclasses import dataclass
 
-from gainsay.exact.matrix import Matrix, block, diagonal, eye, zeros
+from gainsay.exact.blocks import block, diagonal
+from gainsay.exact.matrix import Matrix, eye, zeros
 from gainsay.proof.inequalities import demand, sym
 from gainsay.proof.scope import Scope
 
@@ -51,7 +52,9 @@ class Lft:
 def read_lft(scope: Scope, size: int) -> Lft:
     """Channels of the fields ``H``, ``Cz``, ``blocks``, ``Dw`` and multipliers ``D1``, ``G1``, ... of the witness."""
     h, cz = scope.evaluate(scope.field("H")), scope.evaluate(scope.field("Cz"))
-    of_z, of_w, skew = [], [], []
+    of_z: list[Matrix] = []
+    of_w: list[Matrix] = []
+    skew: list[Matrix] = []
     blocks = scope.field("blocks")
     if not isinstance(blocks, list) or not blocks:
         raise scope.fail('field \'blocks\': expected ["repeated", q] or ["full", p, q] for each block')
@@ -67,13 +70,16 @@ def read_lft(scope: Scope, size: int) -> Lft:
                     g = scope.witness(f"G{number}", (q, q))
                     if not g.equals(-g.T):
                         raise scope.fail(f"witness 'G{number}' is not skew")
-                of_z.append(d), of_w.append(d), skew.append(g)
+                left, right = d, d
             case ["full", int(p), int(q)] if p > 0 and q > 0:
                 d = scope.witness(f"D{number}", (1, 1))
                 demand(scope, d, ">=", f"D{number}")
-                of_z.append(eye(q).scaled(d)), of_w.append(eye(p).scaled(d)), skew.append(zeros(q, p))
+                left, right, g = eye(q).scaled(d), eye(p).scaled(d), zeros(q, p)
             case _:
                 raise scope.fail(f"block {number}: expected ['repeated', q] or ['full', p, q], found {entry!r}")
+        of_z.append(left)
+        of_w.append(right)
+        skew.append(g)
     dz, dd = diagonal(of_z), diagonal(of_w)
     g = block(
         [[m if i == j else zeros(m.shape[0], k.shape[1]) for j, k in enumerate(skew)] for i, m in enumerate(skew)]

@@ -21,17 +21,16 @@ STRUCTURES = ("symmetric", "full", "diagonal", "skew")
 
 
 class Tables(Protocol):
-    """What a certificate is checked against; `gainsay.tables.Case` is one.
-
-    `printed(name)` has `.exact` and `.half_units`, tuples of rows of `Fraction`. A reader may also have
-    `design(name, entry)` giving rows of floats or exact numbers.
-    """
+    """What a certificate is checked against; `gainsay.tables.Case` is one."""
 
     def exact(self, name: str) -> Fraction:
         """Parameter in SI."""
 
     def printed(self, name: str) -> Any:
-        """Printed matrix."""
+        """Printed matrix, with `.exact` and `.half_units`, tuples of rows of `Fraction`."""
+
+    def design(self, name: str, entry: str) -> Any:
+        """Matrix of a design: rows of floats or exact numbers."""
 
 
 class _Printed:

@@ -7,6 +7,7 @@ digits stands in angle brackets, a matrix of a design of ours carries the design
 import ast
 import re
 from collections.abc import Callable, Sequence
+from typing import TypeGuard
 
 from gainsay.errors import CertificateError
 from gainsay.proof.syntax import one_line, parse
@@ -49,8 +50,10 @@ def name_tex(name: str) -> str:
     >>> name_tex("J20"), name_tex("eps"), name_tex("P21bar"), name_tex("Rinverse"), name_tex("thrust_x")
     ('J_{20}', '\\varepsilon', '\\bar{P}_{21}', 'R^{-1}', '\\mathrm{thrust}_{x}')
     """
-    parts, below = [part for part in name.split("_") if part] or [name], []
-    first, suffixes = parts[0], []
+    parts = [part for part in name.split("_") if part] or [name]
+    first = parts[0]
+    below: list[str] = []
+    suffixes: list[str] = []
     for part in parts[1:]:
         (suffixes if part in _SUFFIXES else below).append(part)
     found = _WORD.fullmatch(first)
@@ -137,7 +140,7 @@ class _Typesetter:
         return isinstance(node, ast.Constant) and type(node.value) in (int, float)
 
     @staticmethod
-    def is_negative(node: ast.AST) -> bool:
+    def is_negative(node: ast.AST) -> TypeGuard[ast.UnaryOp]:
         return isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
 
     def raised(self, node: ast.AST, power: str) -> Piece:

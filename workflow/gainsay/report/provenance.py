@@ -16,9 +16,9 @@ from pathlib import Path
 
 from gainsay import __version__
 from gainsay.report.reading import PaperResults
+from gainsay.results.listing import sha256
 from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import write_atomically
-from gainsay.tables.listing import sha256
 
 __all__ = ["Provenance", "provenance_of", "provenance_over", "write_provenance"]
 

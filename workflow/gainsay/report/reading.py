@@ -9,9 +9,9 @@ from pathlib import Path
 
 from gainsay.errors import InputError
 from gainsay.report.certificates import CertificateFile, read_certificate
+from gainsay.results.returned import read_returned
 from gainsay.tables import Case
 from gainsay.tables.files import read_json, shown
-from gainsay.tables.returned import read_returned
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 from gainsay.verdicts.published import PUBLISHED_COLUMNS

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from gainsay import __version__
 from gainsay.errors import InputError
-from gainsay.tables.case import checked_name
+from gainsay.tables.folder import checked_name
 from gainsay.tables.models import TABLES, columns
 
 _HERE = Path(__file__).resolve().parent

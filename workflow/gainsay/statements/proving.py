@@ -8,8 +8,9 @@ import numpy as np
 from gainsay.errors import CertificateError, ComputationError
 from gainsay.lmi import Infeasible, Infimum, Solved, infimum, interior_multipliers
 from gainsay.proof import Certificate, build
+from gainsay.results import Results
+from gainsay.results.ends import proved_ends
 from gainsay.statements.program import Stated
-from gainsay.tables.results import Results, proved_ends
 
 __all__ = ["above", "below", "enclose", "prove"]
 

@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from gainsay.errors import InputError
+from gainsay.results.listing import damage
+from gainsay.results.returned import STEPS
 from gainsay.tables import Case
-from gainsay.tables.listing import damage
-from gainsay.tables.returned import STEPS
 from gainsay.verdicts.differences import Difference, differences
 from gainsay.verdicts.evidence import read_evidence
 

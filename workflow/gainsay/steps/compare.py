@@ -2,10 +2,10 @@
 
 import sys
 
+from gainsay.results.listing import write_listing
 from gainsay.steps.command import step_command
 from gainsay.tables import Case
 from gainsay.tables.files import write_csv
-from gainsay.tables.listing import write_listing
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS, differences
 from gainsay.verdicts.published import PUBLISHED_COLUMNS, published_rows
 

@@ -5,11 +5,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from gainsay.errors import InputError, one_of
+from gainsay.results.listing import damage
+from gainsay.results.returned import STEPS
 from gainsay.tables import Case, read_case
 from gainsay.tables.files import read_csv, read_records
-from gainsay.tables.listing import damage
 from gainsay.tables.models import Claim
-from gainsay.tables.returned import STEPS
 from gainsay.tables.units import with_unit
 
 _WIDTH = 16

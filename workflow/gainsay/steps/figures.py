@@ -5,10 +5,10 @@ import sys
 from gainsay.errors import ComputationError
 from gainsay.figures import FigureSpec, save
 from gainsay.logs import read_log
+from gainsay.results import Results
 from gainsay.steps.command import step_command
 from gainsay.steps.modules import paper_module
 from gainsay.tables import Case
-from gainsay.tables.results import Results
 
 
 def draw(case: Case, figure: FigureSpec) -> None:

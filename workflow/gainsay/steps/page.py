@@ -4,11 +4,11 @@ import sys
 from collections.abc import Mapping, Sequence
 
 from gainsay.report import PaperResults, read_results, write_paper
+from gainsay.results.listing import write_listing
 from gainsay.steps.closure import PAPER_MODULES, sources
 from gainsay.steps.command import step_command
 from gainsay.steps.modules import paper_module
 from gainsay.tables import Case
-from gainsay.tables.listing import write_listing
 
 
 def figure_runs(case: Case) -> Mapping[str, Sequence[str]] | None:

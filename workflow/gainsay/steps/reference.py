@@ -64,7 +64,7 @@ LIBRARY = {
     ),
     "Certificates": ("gainsay.proof.build", ("certificate", "feasible_point", "farkas", "dual_bound")),
     "Tables": ("gainsay.tables", ("Case",)),
-    "Results of a step": ("gainsay.tables.results", ("task", "Results")),
+    "Results of a step": ("gainsay.results", ("task", "Results")),
     "Designs found by a search": ("gainsay.tables.designs", ("FoundDesign",)),
     "Scans over missing inputs": ("gainsay.verdicts.scan", ("plausible", "scan")),
     "Norms": ("gainsay.systems.norms", ("hinf_norm", "hinf_enclosure", "h2_norm", "h2_enclosure",

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from gainsay.errors import LogError
 from gainsay.logs import Log, Measured, RunSpec, read_log
+from gainsay.results.listing import sha256
+from gainsay.results.returned import read_returned
 from gainsay.steps.modules import paper_module
 from gainsay.steps.simulation import provenance
 from gainsay.tables import Case, paper_names, read_case
 from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import cell, read_bytes
-from gainsay.tables.listing import sha256
-from gainsay.tables.returned import read_returned
 
 
 def spec_of(case: Case, log: Log, path: Path) -> RunSpec:

@@ -7,14 +7,14 @@ from pathlib import Path
 
 from gainsay.errors import InputError
 from gainsay.report import PaperResults, write_index, write_provenance
+from gainsay.results.listing import write_listing
+from gainsay.results.returned import VERDICT_COLUMNS, read_returned
 from gainsay.steps.command import CLEAN, broken_off, refuse
 from gainsay.steps.holding import hold_as_step
 from gainsay.steps.page import results_of
 from gainsay.tables import find_root, read_case
 from gainsay.tables.contract import README
 from gainsay.tables.files import write_atomically, write_csv
-from gainsay.tables.listing import write_listing
-from gainsay.tables.returned import VERDICT_COLUMNS, read_returned
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.published import PUBLISHED_COLUMNS
 

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from gainsay.errors import InputError
+from gainsay.results.listing import damage
 from gainsay.tables.files import read_csv
-from gainsay.tables.listing import damage
 
 #: step -> the steps that read what it leaves, in the order of the workflow
 AFTER = {

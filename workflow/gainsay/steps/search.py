@@ -1,11 +1,15 @@
 """Find designs of a paper and write them into its folder; no step of a run does this."""
 
 import time
+from collections.abc import Callable
 
 from gainsay.errors import InputError, one_of
 from gainsay.steps.modules import paper_module
 from gainsay.tables import Case, read_case
-from gainsay.tables.designs import FoundDesign, Search, write_design
+from gainsay.tables.designs import FoundDesign, write_design
+
+#: a search of a paper: its tables -> the design
+Search = Callable[[Case], FoundDesign]
 
 
 def searches_of(case: Case) -> dict[str, Search]:

@@ -4,12 +4,12 @@ import sys
 
 from gainsay.errors import InputError
 from gainsay.logs import LogWriter, RunSpec, read_log
+from gainsay.results import Results
 from gainsay.steps.command import step_command
 from gainsay.steps.modules import paper_module
 from gainsay.tables import Case
 from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import read_text
-from gainsay.tables.results import Results
 
 
 def provenance(case: Case, run: RunSpec) -> dict[str, str]:

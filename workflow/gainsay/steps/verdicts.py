@@ -3,11 +3,11 @@
 import sys
 from collections import Counter
 
+from gainsay.results.listing import write_listing
+from gainsay.results.returned import CERTIFICATE_COLUMNS, PARTS, VERDICT_COLUMNS, read_part
 from gainsay.steps.command import step_command
 from gainsay.tables import Case
 from gainsay.tables.files import write_csv
-from gainsay.tables.listing import write_listing
-from gainsay.tables.returned import CERTIFICATE_COLUMNS, PARTS, VERDICT_COLUMNS, read_part
 from gainsay.verdicts.table import verdict_rows
 
 #: what the step writes below the paper's results

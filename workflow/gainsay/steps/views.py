@@ -6,11 +6,11 @@ from gainsay.errors import ComputationError
 from gainsay.logs import Layout, read_log
 from gainsay.logs.topics import Topics
 from gainsay.logs.views import write_views
+from gainsay.results import Results
 from gainsay.steps.command import step_command
 from gainsay.steps.modules import paper_module
 from gainsay.tables import Case
 from gainsay.tables.files import write_atomically
-from gainsay.tables.results import Results
 
 
 def views(case: Case) -> None:

@@ -5,11 +5,10 @@ certifies it and audits it, so that what a search depends on (a processor, a thr
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -19,9 +18,6 @@ from gainsay.exact.digits import PrintedNumber
 from gainsay.tables.files import is_there, listed, read_json, shown, write_json
 from gainsay.tables.models import Decimal, Filled, Name
 from gainsay.tables.reading import PrintedMatrix, expectation
-
-if TYPE_CHECKING:
-    from gainsay.tables.case import Case
 
 
 class DesignFile(BaseModel):
@@ -109,10 +105,6 @@ class FoundDesign:
     effort: Mapping[str, int] = field(default_factory=dict)
     seed: int | None = None
     digits: int = 12
-
-
-#: a search of a paper: its tables -> the design
-Search = Callable[["Case"], FoundDesign]
 
 
 def _text(value: float, digits: int) -> str:

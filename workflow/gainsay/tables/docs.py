@@ -11,9 +11,10 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from gainsay.errors import LONGEST
-from gainsay.tables.case import Case, paper_names, read_case
+from gainsay.tables.case import Case
 from gainsay.tables.contract import README
 from gainsay.tables.files import LARGEST, read_text
+from gainsay.tables.folder import paper_names, read_case
 from gainsay.tables.mathematics import parts
 from gainsay.tables.models import TABLES, VERDICTS, Claim, PaperFile, Row, columns
 from gainsay.tables.sentences import sentences, worst
@@ -56,7 +57,7 @@ def _type(field: FieldInfo) -> str:
         pattern = getattr(metadata, "pattern", None)
         if pattern:
             return "text matching `{}`".format(pattern.replace("|", "\\|"))
-    named = {str: "text", int: "integer", bool: "`true` \\| `false`"}
+    named: dict[Any, str] = {str: "text", int: "integer", bool: "`true` \\| `false`"}
     return named.get(annotation, "table of names and sentences" if "dict" in str(annotation) else "list of text")
 
 
@@ -65,7 +66,7 @@ def _table(model: type[BaseModel]) -> str:
     fields = {field.alias or name: field for name, field in model.model_fields.items()}
     names = columns(model) if issubclass(model, Row) else tuple(fields)
     for name in names:
-        meaning = fields[name].description.replace("|", "\\|")  # Markdown of ours, but for its bars
+        meaning = (fields[name].description or "").replace("|", "\\|")  # Markdown of ours, but for its bars
         lines.append(f"| `{name}` | {_type(fields[name])} | {meaning} |")
     return "\n".join(lines)
 
@@ -148,12 +149,13 @@ def _robustness(tests: Path) -> str:
 
 def documents(root: Path) -> dict[str, str]:
     """Return every generated document: file below the project root -> text."""
+    models: dict[str, type[BaseModel]] = {"paper.toml": PaperFile, **TABLES}
     sections = [_HEAD]
-    for file, model in {"paper.toml": PaperFile, **TABLES}.items():
+    for file, model in models.items():
         sections.append(f"## `{file}`\n\n{model.__doc__}\n\n{_table(model)}\n")
     units = ", ".join(f"`{unit}`" for unit in UNITS)
     sections.append(f"## Units\n\n{units}\n")
-    schemas = {file: model.model_json_schema() for file, model in {"paper.toml": PaperFile, **TABLES}.items()}
+    schemas = {file: model.model_json_schema() for file, model in models.items()}
     cases = [read_case(root, paper) for paper in paper_names(root)]
     tests = {"docs/robustness.md": _robustness(root / "tests")} if (root / "tests" / "gainsay").is_dir() else {}
     return tests | {

@@ -2,15 +2,12 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
 
 from gainsay.errors import InputError, nearest, one_of
 from gainsay.exact.digits import PrintedNumber, double
+from gainsay.tables.case import Case
 from gainsay.tables.models import Claim, Toleranced
 from gainsay.tables.units import to_si
-
-if TYPE_CHECKING:
-    from gainsay.tables.case import Case
 
 #: kinds whose verdict needs a certificate that the checker accepts
 PROVED = frozenset({
@@ -93,7 +90,7 @@ def _weight_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
             yield field, value, f"nothing, since the claim is {claim.expected}"
 
 
-def given_of(case: "Case", claim: Claim) -> dict[str, str]:
+def given_of(case: Case, claim: Claim) -> dict[str, str]:
     """Return the condition of a claim: name of what the paper leaves out -> value, as text.
 
     Raises
@@ -111,7 +108,7 @@ def given_of(case: "Case", claim: Claim) -> dict[str, str]:
     return found
 
 
-def _given_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
+def _given_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
     """Yield the faults of a condition: it names what the paper leaves out and a plausible value of it."""
     try:
         given = given_of(case, claim)
@@ -128,7 +125,7 @@ def _given_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
             yield "given", f"{name}={value}", f"a number among the plausible values {row.plausible}"
 
 
-def _unsaid_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
+def _unsaid_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
     """Yield what the paper leaves out and a claim's quantities read, where the claim is not conditioned on it."""
     quantities = {claim.quantity, claim.published if claim.comparator == "less_than" else claim.quantity}
     try:
@@ -164,7 +161,7 @@ def _is_plausible(value: str, plausible: str) -> bool:
     return number in {PrintedNumber(part).value for part in plausible.split("|")}
 
 
-def _sentence_faults(case: "Case") -> Iterator[tuple[int, Claim, str]]:
+def _sentence_faults(case: Case) -> Iterator[tuple[int, Claim, str]]:
     """Yield row, claim and expectation where claims of one sentence stand in different places of the paper."""
     first: dict[str, Claim] = {}
     for row, claim in enumerate(case.claims.values(), start=_ROW_OF_FIRST):
@@ -175,7 +172,7 @@ def _sentence_faults(case: "Case") -> Iterator[tuple[int, Claim, str]]:
             yield row, claim, f"the place of {before.id}, {before.where}, since both speak of one sentence"
 
 
-def _joined_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
+def _joined_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
     others = claim.quantity.split()
     if not others:
         yield "quantity", "", "the claims that it joins, separated by blanks"
@@ -186,7 +183,7 @@ def _joined_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]
             yield "quantity", other, f"a claim that needs a proof, as a {claim.kind} does"
 
 
-def _claim_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
+def _claim_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
     """Yield field, value and expectation of every fault of a claim."""
     yield from _tolerance_faults(claim)
     yield from _reading_faults(claim)
@@ -233,7 +230,7 @@ def _claim_faults(case: "Case", claim: Claim) -> Iterator[tuple[str, str, str]]:
         yield "published", claim.published, error.expected
 
 
-def lint(case: "Case") -> None:
+def lint(case: Case) -> None:
     """Check every reference between a paper's tables, and that what is computed is in SI.
 
     Raises
@@ -250,8 +247,8 @@ def lint(case: "Case") -> None:
                 value=declared.unit,
                 expected=f"{to_si(declared.unit)[0]}, since what is computed is in SI",
             )
-    for quantity, text in case.paper.measures.items():
-        _refuse_first(_measure_faults(case, quantity, text), f"papers/{case.name}/paper.toml", None)
+    for measured, text in case.paper.measures.items():
+        _refuse_first(_measure_faults(case, measured, text), f"papers/{case.name}/paper.toml", None)
     for row, claim in enumerate(case.claims.values(), start=_ROW_OF_FIRST):
         for field, value, expected in _claim_faults(case, claim):
             raise InputError(
@@ -271,7 +268,7 @@ def lint(case: "Case") -> None:
             _refuse_first(faults, f"papers/{case.name}/replies.csv", row)
     for row, recorded in enumerate(case.recorded.values(), start=_ROW_OF_FIRST):
         quantity = case.quantities.get(recorded.quantity)
-        faults = _recorded_faults(recorded)
+        faults = list(_recorded_faults(recorded))
         if quantity is None:
             faults = [("quantity", recorded.quantity, "one of quantities.csv")]
         elif quantity.unit != recorded.unit:
@@ -279,13 +276,13 @@ def lint(case: "Case") -> None:
         _refuse_first(faults, f"papers/{case.name}/recorded.csv", row)
     for row, found in enumerate(case.recorded_scans.values(), start=_ROW_OF_FIRST):
         words = found.class_ == "exact"  # an outcome, an input, one of a list of choices
-        faults = [] if words else _recorded_faults(found)
+        faults = [] if words else list(_recorded_faults(found))
         if found.claim not in case.claims:
             faults = [("claim", found.claim, "one of claims.csv")]
         _refuse_first(faults, f"papers/{case.name}/recorded_scans.csv", row)
 
 
-def _measure_faults(case: "Case", quantity: str, text: str) -> Iterator[tuple[str, str, str]]:
+def _measure_faults(case: Case, quantity: str, text: str) -> Iterator[tuple[str, str, str]]:
     """Yield field, value and expectation of every fault of a measure in the table of designs."""
     if quantity not in case.quantities:
         yield "measures", quantity, "a quantity declared in quantities.csv"
@@ -296,7 +293,7 @@ def _measure_faults(case: "Case", quantity: str, text: str) -> Iterator[tuple[st
         yield "measures", text, f"quantities of designs or runs in {case.quantities[quantity].unit}"
 
 
-def measure_of(case: "Case", text: str, design: str) -> str:
+def measure_of(case: Case, text: str, design: str) -> str:
     """Return the quantity that a measure of paper.toml has for a design or run; empty where it has none.
 
     A design ``point_1`` is looked for as ``point.1`` too.

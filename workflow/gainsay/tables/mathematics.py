@@ -8,15 +8,12 @@ import re
 from collections.abc import Iterator
 from functools import cache
 from html import escape
-from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Tree
 
 from latex2mathml.converter import convert
 
 from gainsay.errors import InputError
-
-if TYPE_CHECKING:
-    from gainsay.tables.case import Case
+from gainsay.tables.case import Case
 
 __all__ = ["COMMANDS", "check_sentences", "mathml", "parts", "plain"]
 
@@ -190,7 +187,7 @@ def plain(sentence: str) -> str:
     return "".join(said)
 
 
-def check_sentences(case: "Case") -> None:
+def check_sentences(case: Case) -> None:
     """Check that every sentence of a paper's tables can be typeset.
 
     Raises

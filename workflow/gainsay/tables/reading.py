@@ -9,6 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
@@ -18,7 +19,7 @@ from gainsay.tables.models import PaperFile, Row, columns, optional
 AnyRow = TypeVar("AnyRow", bound=Row)
 
 
-def expectation(model: type[BaseModel], detail: dict) -> tuple[str, object, str]:
+def expectation(model: type[BaseModel], detail: ErrorDetails) -> tuple[str, object, str]:
     """Return field, value found and what was expected, of one error that pydantic found in a model."""
     field = ".".join(str(part) for part in detail["loc"])
     message = detail["msg"].removeprefix("Value error, ")

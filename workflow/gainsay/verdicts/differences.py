@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
+from gainsay.results.returned import read_returned
 from gainsay.tables import Case
 from gainsay.tables.models import Toleranced
-from gainsay.tables.returned import read_returned
 from gainsay.verdicts.record import certificates_of, reads_of, scan_items, scans_of
 from gainsay.verdicts.tolerance import allowed, share
 

@@ -7,8 +7,8 @@ from fractions import Fraction
 from gainsay.errors import CertificateError
 from gainsay.exact.digits import double
 from gainsay.proof import check, read_certificate
+from gainsay.results.returned import UNDECIDED, read_part
 from gainsay.tables import Case
-from gainsay.tables.returned import UNDECIDED, read_part
 from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from gainsay.exact.digits import PrintedNumber
+from gainsay.results.returned import FROM_DIGITS
 from gainsay.tables import Case
 from gainsay.tables.lint import PROVED
 from gainsay.tables.models import Claim
-from gainsay.tables.returned import FROM_DIGITS
 from gainsay.tables.sentences import worst
 from gainsay.tables.units import to_si
 from gainsay.verdicts.criterion import criteria

@@ -7,10 +7,10 @@ from fractions import Fraction
 
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
+from gainsay.results.returned import read_returned
 from gainsay.tables import Case
 from gainsay.tables.files import cell
 from gainsay.tables.models import Claim
-from gainsay.tables.returned import read_returned
 
 PUBLISHED_COLUMNS = (
     "paper", "claim", "what", "entry", "published", "recomputed", "unit", "low", "high", "units_of_last_digit",

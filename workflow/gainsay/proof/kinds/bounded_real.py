@@ -8,7 +8,8 @@ Fields: ``A``, ``B``, ``C``, ``D`` (formulas, or lists of vertices; D may be lef
 Reference: Boyd et al., Linear Matrix Inequalities in System and Control Theory, SIAM 1994, section 2.7.3.
 """
 
-from gainsay.exact.matrix import Matrix, block, eye, zeros
+from gainsay.exact.blocks import block
+from gainsay.exact.matrix import Matrix, eye, zeros
 from gainsay.exact.rational import to_text
 from gainsay.proof.inequalities import demand, sym, vertices
 from gainsay.proof.kinds import Proved

@@ -32,9 +32,10 @@ from itertools import pairwise
 
 from flint import acb, acb_mat, arb, fmpq
 
+from gainsay.exact.blocks import block, diagonal
 from gainsay.exact.budget import spend
 from gainsay.exact.definite import cholesky_factor, hermitian_positive_definite
-from gainsay.exact.matrix import Matrix, block, diagonal, eye, zeros
+from gainsay.exact.matrix import Matrix, eye, zeros
 from gainsay.exact.rational import to_fmpq, to_text
 from gainsay.proof.inequalities import demand, sym
 from gainsay.proof.kinds import Proved
@@ -151,17 +152,17 @@ class _Arc:
         self.through = _diagonal([x.sqrt() for x in of_z]) * plant.through * _diagonal([x.rsqrt() for x in of_w])
         self.unit = _diagonal([arb(1)] * plant.a.nrows())
         self.form_unit = _diagonal([arb(1)] * len(of_w))
-        self.skew = None
+        self.skew: acb_mat | None = None
         self.steepness = arb(1)
         if any(x != 0 for x in g):
-            grid = [[0] * len(of_z) for _ in of_w]
+            grid = [[acb(0)] * len(of_z) for _ in of_w]
             row = column = 0
             for k, (p, q, _) in enumerate(sizes):
                 for i in range(min(p, q)):
                     grid[row + i][column + i] = acb(arb(g[k] / d[k]))
                 row, column = row + p, column + q
             self.skew = acb_mat(grid)
-            self.steepness = max((abs(x / y) for x, y in zip(g, d, strict=True)))
+            self.steepness = arb(max(abs(x / y) for x, y in zip(g, d, strict=True)))
 
     def settled(self, low: Fraction, high: Fraction, depth: int = 0) -> bool:
         """Whether the form is proved positive on the piece from low to high."""
@@ -204,8 +205,15 @@ def _plant(p: Matrix, system: tuple[Matrix, ...], centre: arb, radius: arb, disk
     change = cholesky_factor(p.data)
     a, inputs, outputs, through = (m.to_ball().data for m in system)
     back = change.inv()
-    whole = (change * a * back, change * inputs, outputs * back, through)
-    return _Plant(*(acb_mat(m) for m in whole), centre, radius, disk)
+    return _Plant(
+        acb_mat(change * a * back),
+        acb_mat(change * inputs),
+        acb_mat(outputs * back),
+        acb_mat(through),
+        centre,
+        radius,
+        disk,
+    )
 
 
 def prove(scope: Scope) -> list[Proved]:

@@ -16,7 +16,8 @@ Witness: ``P``, ``D1``, ..., ``G1``, ...
 Reference: Boyd et al., Linear Matrix Inequalities in System and Control Theory, SIAM 1994, sections 5.1, 5.2 and 6.2.
 """
 
-from gainsay.exact.matrix import Matrix, block, eye, zeros
+from gainsay.exact.blocks import block
+from gainsay.exact.matrix import Matrix, eye, zeros
 from gainsay.exact.rational import to_text
 from gainsay.proof.inequalities import bounds, demand, order_holds, sym
 from gainsay.proof.kinds import Proved

@@ -11,7 +11,8 @@ Reference: M. Chilali, P. Gahinet, P. Apkarian, "Robust pole placement in LMI re
 Control 44 (1999) 2257-2270.
 """
 
-from gainsay.exact.matrix import Matrix, block, eye, zeros
+from gainsay.exact.blocks import block
+from gainsay.exact.matrix import Matrix, eye, zeros
 from gainsay.exact.rational import to_text
 from gainsay.proof.inequalities import demand
 from gainsay.proof.kinds import Proved

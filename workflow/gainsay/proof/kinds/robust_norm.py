@@ -10,7 +10,8 @@ Fields: ``A``, ``B``, ``C``, ``D``, ``H``, ``Cz``, ``Dw``, ``Dd``, ``Ew``, ``blo
 Reference: Boyd et al., Linear Matrix Inequalities in System and Control Theory, SIAM 1994, section 6.3.
 """
 
-from gainsay.exact.matrix import Matrix, block, eye, zeros
+from gainsay.exact.blocks import block
+from gainsay.exact.matrix import Matrix, eye, zeros
 from gainsay.exact.rational import to_text
 from gainsay.proof.inequalities import demand, sym
 from gainsay.proof.kinds import Proved

@@ -3,9 +3,9 @@
 import numpy as np
 
 from gainsay.proof import build
+from gainsay.results import Results, task
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from gainsay.verdicts.scan import plausible, scan
 from papers.example import response
 from papers.example.plant import FORMULAS, closed_loop

@@ -1,8 +1,8 @@
 """What the LMIs of the paper say."""
 
+from gainsay.results import Results, task
 from gainsay.statements import Stated, prove
 from gainsay.tables import Case
-from gainsay.tables.results import Results, task
 from papers.example.statements import INEQUALITY_3
 
 

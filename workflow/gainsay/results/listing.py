@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from gainsay.errors import InputError
 from gainsay.tables.contract import CONTRACT
@@ -66,7 +67,8 @@ def damage(path: Path, folder: Path) -> Iterator[tuple[str, str]]:
     if any(contract != CONTRACT for *_, contract in rows):
         yield name, f"of another contract than {CONTRACT}"
         return
-    own = dict(_rows(derived_listing(path, folder), DERIVED_COLUMNS)) if any(of for _, _, of, _ in rows) else {}
+    derived = _rows(derived_listing(path, folder), DERIVED_COLUMNS) if any(of for _, _, of, _ in rows) else []
+    own = dict(derived)
     for file, digest, of, _ in rows:
         digests = {folder / file: own.get(file, ""), folder / of: digest} if of else {folder / file: digest}
         how = _damaged(folder / file, digests)
@@ -74,7 +76,7 @@ def damage(path: Path, folder: Path) -> Iterator[tuple[str, str]]:
             yield file, how
 
 
-def _rows(path: Path, columns: tuple[str, ...]) -> list[tuple[str, ...]]:
+def _rows(path: Path, columns: tuple[str, ...]) -> list[tuple[Any, ...]]:
     """Rows of a list; none where it is missing or malformed."""
     try:
         return [tuple(row[column] for column in columns) for row in read_records(path)]

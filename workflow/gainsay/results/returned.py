@@ -9,9 +9,9 @@ from pathlib import Path, PurePosixPath
 
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber, double
+from gainsay.results.listing import LISTING_COLUMNS
 from gainsay.tables.case import Case
 from gainsay.tables.files import is_there, read_csv, shown
-from gainsay.tables.listing import LISTING_COLUMNS
 
 QUANTITY_COLUMNS = ("quantity", "value", "unit", "lower", "upper", "method", "source")
 GAIN_COLUMNS = (

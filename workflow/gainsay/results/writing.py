@@ -13,51 +13,22 @@ from typing import Any
 import numpy as np
 
 from gainsay.errors import ComputationError, GainsayError, InputError, one_of
+from gainsay.exact.rational import doubles_around
+from gainsay.results.ends import proved_ends
+from gainsay.results.listing import derived_listing, write_listing
+from gainsay.results.returned import FROM_DIGITS, PARTS, UNDECIDED, read_returned
 from gainsay.tables.case import Case
 from gainsay.tables.files import remove_abandoned, write_atomically, write_csv, write_json
-from gainsay.tables.listing import derived_listing, write_listing
 from gainsay.tables.reading import PrintedMatrix
 from gainsay.tables.reads import apart, recording
-from gainsay.tables.returned import FROM_DIGITS, PARTS, UNDECIDED, read_returned
 
 #: whether every line of a step's log is printed too (GAINSAY_VERBOSE=1), as one wants it who works on a paper
 VERBOSE = os.environ.get("GAINSAY_VERBOSE", "") not in ("", "0")
-
-TaskFunction = Callable[[Case, "Results"], None]
-
-
-def task(where: str) -> Callable[[TaskFunction], TaskFunction]:
-    """Mark a function as a task of a step; `where` is the equation or item of the paper that it works on."""
-
-    def mark(function: TaskFunction) -> TaskFunction:
-        function.where = where  # type: ignore[attr-defined]  # functions take attributes
-        return function
-
-    return mark
 
 
 def _listed(value: object) -> object:
     """Write what JSON does not know: arrays as lists, anything else by its text; a note must never stop a step."""
     return value.tolist() if hasattr(value, "tolist") else str(value)
-
-
-def proved_ends(conclusion: Any) -> tuple[float, float]:
-    """Lower and upper end that a conclusion of a certificate gives, as doubles on the safe side."""
-    relation, value = conclusion.relation, conclusion.value
-    if value is None:
-        return {"holds": (1.0, 1.0), "fails": (0.0, 0.0)}[relation]
-    low, _, high = value.partition("..")
-    below, above = Fraction(low), Fraction(high or low)
-    lower, upper = float(below), float(above)
-    lower = lower if Fraction(lower) <= below else math.nextafter(lower, -math.inf)
-    upper = upper if Fraction(upper) >= above else math.nextafter(upper, math.inf)
-    return {
-        "at_most": (-math.inf, upper),
-        "less_than": (-math.inf, upper),
-        "at_least": (lower, math.inf),
-        "greater_than": (lower, math.inf),
-        "inside": (lower, upper),
-    }[relation]
 
 
 def _place(error: BaseException, root: Path) -> str:
@@ -198,9 +169,7 @@ class Results:
             Whether the enclosure carries the rounding of what the paper prints, so that every value in it is one of
             which the paper may speak.
         """
-        lower, upper = float(low), float(high)
-        lower = lower if Fraction(lower) <= low else math.nextafter(lower, -math.inf)
-        upper = upper if Fraction(upper) >= high else math.nextafter(upper, math.inf)
+        lower, upper = doubles_around(low, high)
         method = f"{FROM_DIGITS} {method}" if digits else method
         value = float((low + high) / 2) if value is None else value
         self.quantity(quantity, value, method=method, source=source, lower=lower, upper=upper)
@@ -433,11 +402,3 @@ class Results:
         counts.append((len(self._rows["failures"]), "FAILED"))
         found = ", ".join(f"{count} {noun}" for count, noun in counts if count) or "nothing to do"
         print(f"{self.case.name}  {self.step:<10}  {found}  {time.perf_counter() - self._begun:.1f} s", flush=True)
-
-
-def run_tasks(results: Results, tasks: Iterable[TaskFunction]) -> None:
-    """Run the tasks of a step one by one, then write what they found."""
-    for function in tasks:
-        with results.task(function.where, function.__name__):  # type: ignore[attr-defined]  # set by `task`
-            function(results.case, results)
-    results.close()
