@@ -4,8 +4,11 @@ import csv
 import json
 from pathlib import Path
 
+import numpy as np
+
 from gainsay.report import write_index, write_paper
 from gainsay.results.returned import FAILURE_COLUMNS, GAIN_COLUMNS, QUANTITY_COLUMNS, VERDICT_COLUMNS
+from gainsay.tables.designs import FoundDesign, write_design
 from gainsay.tables.models import TABLES, columns
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.published import PUBLISHED_COLUMNS
@@ -92,6 +95,9 @@ def write(path: Path, header, rows) -> None:
 def tables(root: Path, paper: str, *, full: bool) -> None:
     """Write the folder of a paper."""
     folder = root / "papers" / paper
+    if full:
+        matrices = {"K": np.array([[0.0051, -7.1e-4], [1.125, 2.0]]), "L": np.array([[1.0]])}
+        write_design(folder, "repaired", FoundDesign("a cheaper gain", "picked", matrices, True, {}, {"solves": 3}, 7))
     write(folder / "printed" / "K.csv", ["0.0050", "-7.2787e-4"], [["1.0", "2"]])
     (folder / "paper.toml").write_text(
         'title = "On the toy rendezvous & its <bounds>"\nauthors = ["A. Author", "B. Author"]\n'
@@ -176,8 +182,6 @@ def results(root: Path, paper: str) -> None:
     texts = {
         "certificates/eq14-infeasible.json": json.dumps(content),
         "certificates/cost-bound.json": "{",
-        "designs/repaired.json": json.dumps({"name": "repaired", "note": "certified", "matrices": {
-            "K": [[0.0051, -7.1e-4], [1.125, 2.0]], "L": [[1.0]]}}),
         "scans/audit.peak_fy.json": json.dumps(SCAN),
         "attempts/simulation.json": "[]",
         "figures/figure_2.svg": SVG,

@@ -4,6 +4,7 @@ import json
 import re
 import runpy
 import shutil
+from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,14 +15,14 @@ import pytest
 
 from gainsay.report import read_results, render_paper
 from gainsay.report.claims import verdicts_of
-from gainsay.report.designs import comparison, design_matrices
+from gainsay.report.designs import comparison, design_views
 from gainsay.report.page import FOLDER
 from gainsay.report.pictures import data_uri
 from gainsay.report.provenance import provenance_of
 from gainsay.report.published import published_view
-from gainsay.report.wording import condition, turning_point
+from gainsay.report.wording import condition, reason
 from gainsay.steps.report import main
-from gainsay.tables import read_case
+from gainsay.tables import find_root, paper_names, read_case
 from gainsay.tables.models import VERDICTS
 
 EXAMPLE = runpy.run_path(str(Path(__file__).with_name("report_example.py")))
@@ -152,11 +153,12 @@ def test_the_page_says_what_is_in_the_results(built):
         "By Farkas' lemma for linear matrix inequalities; hence eq14.feasible fails.",
         "sha256:" + "0" * 64,
         "2 of 3 samples hold (at most 40 N)",
-        "It depends on observer start and gravity that the paper leaves out: it holds for 2 of 3 plausible fillings; "
-        "on the way from one to another with observer start = measured it holds, with zero it fails.",
+        "Holds with observer start = measured, fails with zero, the other input kept; "
+        "it holds at 2 of 3 plausible values of what the paper leaves out.",
         "not computed by the step audit",
         "This figure is missing: the step figures did not draw it.",
-        "This design is missing: the step synthesis did not make it.",
+        "This design is not on file: gainsay search toy2001 lqr finds it.",
+        "How it was found: picked (3 solves, seed 7).",
         "witness is not positive definite",
         "did not converge",
         "a drawing without numbers",
@@ -234,8 +236,23 @@ def test_designs_stand_beside_the_printed_one(root):
     assert table.designs == ("repaired", "lqr")
     ((cost),) = table.measures
     assert [outcome for _, outcome in cost.others] == ["better", "better"]  # 990000 and 900000 against 1250000, less
-    pairs = design_matrices(found, found.designs[0])
-    assert [(name, printed is not None) for name, printed, _ in pairs] == [("K", True), ("L", False)]
+    repaired, lqr = design_views(found.case)
+    assert [(name, printed is not None) for name, printed, _ in repaired.matrices] == [("K", True), ("L", False)]
+    (_, printed, ours), _ = repaired.matrices
+    assert str(printed.rows[0][0]) == "0.0050"  # the digits of printed/K.csv
+    assert 'value="-0.00071"' in str(ours.rows[0][1])  # those of the design's file
+    assert (lqr.file, lqr.matrices) == (None, ())
+
+
+@pytest.mark.parametrize("paper", paper_names(find_root(Path(__file__))))
+def test_every_design_of_a_paper_is_on_its_page_with_its_gains(paper):
+    case = read_case(find_root(Path(__file__)), paper)
+    views = design_views(case)
+    assert [view.name for view in views] == list(case.paper.designs)
+    for view in views:
+        shown = {name: (len(ours.rows), len(ours.rows[0])) for name, _, ours in view.matrices}
+        file = json.loads((case.root / "papers" / paper / "designs" / f"{view.name}.json").read_text())
+        assert shown == {name: (len(rows), len(rows[0])) for name, rows in file["matrices"].items()}
 
 
 def test_a_paper_without_results_has_its_page(built):
@@ -248,7 +265,7 @@ def test_a_paper_without_results_has_its_page(built):
 @pytest.mark.parametrize(
     "lost",
     ["verdicts.csv", "quantities.csv", "gains.csv", "failures.csv", "certificates.csv", "scans", "figures", "logs",
-     "certificates", "designs", "attempts", "published.csv", "differences.csv"],
+     "certificates", "attempts", "published.csv", "differences.csv"],
 )  # fmt: skip
 def test_any_part_may_be_missing(root, lost):
     path = root / "results" / "toy2001" / lost
@@ -360,12 +377,46 @@ def test_digests_of_provenance_follow_the_tables(root):
 
 
 def test_conditions_read_as_words():
-    assert condition("observer_start=exact; gravity=3.9e14") == "observer start = exact, gravity = 3.9e14"
+    parameters = {"gravity": SimpleNamespace(unit="m^3/s^2"), "observer_start": SimpleNamespace(unit="1")}
+    found = SimpleNamespace(case=SimpleNamespace(parameters=parameters))
+    said = bare(condition(found, "observer_start=exact; gravity=3.9e14"))
+    assert said == "observer start = exact, gravity = 3.9 × 1014 m3/s2"
 
 
-@pytest.mark.parametrize(("holds", "fails", "side"), [(8.94, 8.95, "below"), (8.95, 8.94, "above")])
-def test_the_side_on_which_a_claim_holds_is_told(holds, fails, side):
-    inputs = (SimpleNamespace(name="inertia_x", unit="kg m^2"),)
-    scan = SimpleNamespace(boundary=SimpleNamespace(input="inertia_x", holds=holds, fails=fails), inputs=inputs)
-    said = re.sub("<[^>]*>", "", turning_point(scan)).replace("&nbsp;", " ")
-    assert said == f"it turns where inertia x passes {holds} kg m2, and holds {side} that"
+def bare(shown):
+    """Text of a piece of a page."""
+    return unescape(re.sub("<[^>]*>", "", str(shown))).replace("\u00a0", " ")
+
+
+def hung(comparator, values, published, boundary=None, others=0):
+    """Return the sentence on a claim that hangs on what the paper leaves out, with `values` found."""
+    inputs = tuple(SimpleNamespace(name=name, unit="kg m^2") for name in ("inertia_x", "b", "c")[: 1 + others])
+    scan = SimpleNamespace(boundary=boundary, inputs=inputs, samples=9, holding=4, at_best=4 if boundary else 9,
+                           least=(min(values), {}), greatest=(max(values), {}), finite=False)  # fmt: skip
+    claim = SimpleNamespace(id="x", comparator=comparator, unit="deg", published=published)
+    row = {"verdict": "undetermined", "evidence": "sampled 9 (distinct 9)"}
+    return bare(reason(SimpleNamespace(scans={"x": scan}), claim, row))
+
+
+@pytest.mark.parametrize(("holds", "fails", "side", "other"), [(8.94, 8.95, "below", "above"),
+                                                               (8.95, 8.94, "above", "below")])  # fmt: skip
+def test_an_undetermined_verdict_is_one_sentence_with_the_turning_point(holds, fails, side, other):
+    boundary = SimpleNamespace(input="inertia_x", holds=holds, fails=fails)
+    assert hung("at_most", [1.0], "3", boundary) == (
+        f"Holds when inertia x is {side} {holds} kg m2, fails when it is {other}; "
+        "it holds at 4 of 9 plausible values of what the paper leaves out."
+    )
+    assert ", the other 2 inputs kept; it holds" in hung("at_most", [1.0], "3", boundary, others=2)
+
+
+def test_a_word_without_a_number_hangs_on_its_reading():
+    # 0.1 rad is 5.7295779 deg, 0.2 rad 11.459155 deg; ends are rounded away from each other.
+    where = "9 plausible values of what the paper leaves out"
+    assert hung("at_most", [0.1, 0.2], "1..9") == (
+        f"Holds at all {where} where the sentence allows 11.46 deg or more, "
+        "fails at all where it allows less than 5.729 deg; it prints no number."
+    )
+    assert hung("at_least", [0.1, 0.2], "1..9") == (
+        f"Holds at all {where} where the sentence asks for 5.729 deg or less, "
+        "fails at all where it asks for more than 11.46 deg; it prints no number."
+    )

@@ -139,7 +139,7 @@ def damaged(root, draw):
     """Damage one file of the results of `toy`; returns it and what was done."""
     results = root / "results" / "toy"
     kinds = [sorted(results.glob(p)) for p in ("*.csv", "parts/*.csv", "scans/*", "certificates/*", "figures/*",
-                                               "logs/*", "designs/*")]  # fmt: skip
+                                               "logs/*")]  # fmt: skip
     path = draw.choice(draw.choice([found for found in kinds if found]))
     structured = path.suffix == ".json" and draw.random() < 0.6
     damage = (
@@ -255,20 +255,18 @@ def test_a_step_removes_nothing_outside_its_results(made, tmp_path, place):
     assert not listing.exists()
 
 
-def test_one_damaged_design_scan_or_table_costs_itself_alone(made, tmp_path):
+def test_one_damaged_scan_or_table_costs_itself_alone(made, tmp_path):
     root = tmp_path / "project"
     shutil.copytree(made, root)
     results = root / "results" / "toy"
-    write_atomically(results / "designs" / "repaired.json", '{"note": "n", "matrices": {"K": [["x"]]}}')
     (results / "scans" / "audit.other.json").write_text("{}")
     (results / "gains.csv").write_text("gain\nK")
     found = read_results(read_case(root, "toy"))
     assert [line.partition(":")[0] for line in found.missing] == [
         "gains.csv is damaged, the gains are not compared yet", "scans/audit.other.json is damaged",
-        "the design repaired is damaged",
     ]  # fmt: skip
     assert len(found.verdicts) == 6
-    assert "the design repaired is damaged" in render_paper(found)
+    assert "scans/audit.other.json is damaged" in render_paper(found)
 
 
 def test_check_and_record_go_on_past_a_damaged_paper(made, tmp_path, capsys):

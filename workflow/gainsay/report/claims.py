@@ -26,6 +26,7 @@ ALWAYS = ("contradicted", "reproduced")
 NONE_YET = "none yet"
 #: weights of a contradiction, the weightiest first; a claim without one stands last
 WEIGHTS = ("result", "gap", "misprint", "")
+_NOTHING = Markup("")
 _ANCHOR = re.compile(r"[^A-Za-z0-9_.-]")
 
 
@@ -99,6 +100,8 @@ class ClaimView:
     scan : ScanView or None
     truth : bool
         Whether what is computed is a truth, not a number.
+    given : Markup
+        Condition under which the verdict stands, in words; empty where there is none.
     """
 
     claim: Claim
@@ -114,6 +117,7 @@ class ClaimView:
     certificates: tuple[CertificateFile, ...] = ()
     scan: ScanView | None = None
     truth: bool = False
+    given: Markup = _NOTHING
 
     @property
     def surprising(self) -> bool:
@@ -124,11 +128,6 @@ class ClaimView:
     def weight(self) -> str:
         """How much a contradiction weighs: ``result``, ``gap``, ``misprint``; empty where that is not said."""
         return self.claim.weight
-
-    @property
-    def given(self) -> str:
-        """Condition under which the verdict stands, in words; empty where there is none."""
-        return condition(self.claim.given) if self.claim.given else ""
 
     @property
     def evidence(self) -> str:
@@ -250,6 +249,7 @@ def _claim_view(found: PaperResults, claim: Claim) -> ClaimView:
         ),
         scan=scan_view(scan, to_si(declared.unit)[0] if declared else "1") if scan else None,
         truth=truth,
+        given=condition(found, claim.given) if claim.given else Markup(""),
     )
 
 

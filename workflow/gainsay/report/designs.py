@@ -1,13 +1,15 @@
 """Designs beside the printed one: one table of every measure, and their gains."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
 
 from gainsay.report.numbers import number, typeset
-from gainsay.report.reading import DesignFile, PaperResults, Row
+from gainsay.report.reading import PaperResults, Row
+from gainsay.tables import Case
+from gainsay.tables.designs import Design, DesignFile
 from gainsay.tables.lint import measure_of
+from gainsay.tables.reading import PrintedMatrix
 
 #: relative difference below which two designs are called alike
 ALIKE = 1e-3
@@ -84,20 +86,51 @@ class MatrixView:
     rows: tuple[tuple[Markup, ...], ...]
 
 
-def _matrix(title: str, rows: Sequence[Sequence[Markup]]) -> MatrixView:
-    return MatrixView(title, tuple(tuple(row) for row in rows))
+@dataclass(frozen=True)
+class DesignView:
+    """A design: what it is, how it was found, and its gains.
+
+    Attributes
+    ----------
+    name, about : str
+        As in paper.toml.
+    file : DesignFile or None
+        What was asked and how the search went; None where no search has found it yet.
+    effort : str
+        What the search cost, in words.
+    matrices : tuple of (str, MatrixView or None, MatrixView)
+        Name of each matrix, the printed one of the same name and shape, and ours.
+    """
+
+    name: str
+    about: str
+    file: DesignFile | None = None
+    effort: str = ""
+    matrices: tuple[tuple[str, MatrixView | None, MatrixView], ...] = ()
 
 
-def design_matrices(found: PaperResults, design: DesignFile) -> list[tuple[str, MatrixView | None, MatrixView]]:
-    """Return each matrix of a design with the printed one of the same name and shape beside it."""
-    pairs = []
-    for name, rows in (design.matrices or {}).items():
-        ours = _matrix(f"{name}, {design.name}", [[number(repr(float(x))) for x in row] for row in rows])
-        parameter = found.case.parameters.get(name)
-        printed = None
-        if parameter is not None and parameter.type == "matrix":
-            digits = found.case.printed(name).rows
-            if (len(digits), len(digits[0])) == (len(rows), len(rows[0])):
-                printed = _matrix(f"{name}, as printed", [[typeset(entry.text) for entry in row] for row in digits])
-        pairs.append((name, printed, ours))
-    return pairs
+def design_views(case: Case) -> tuple[DesignView, ...]:
+    """Return every design that paper.toml names, as the paper's folder has it."""
+    return tuple(
+        _design_view(case, case.designs[name], about) if name in case.designs else DesignView(name, about)
+        for name, about in case.paper.designs.items()
+    )
+
+
+def _design_view(case: Case, design: Design, about: str) -> DesignView:
+    effort = ", ".join(f"{count} {what}" for what, count in design.file.effort.items())
+    matrices = []
+    for name, ours in design.matrices.items():
+        rows = tuple(tuple(number(entry.text) for entry in row) for row in ours.rows)
+        matrices.append((name, _printed(case, name, ours), MatrixView(f"{name}, {design.name}", rows)))
+    return DesignView(design.name, about, design.file, effort, tuple(matrices))
+
+
+def _printed(case: Case, name: str, ours: PrintedMatrix) -> MatrixView | None:
+    parameter = case.parameters.get(name)
+    if parameter is None or parameter.type != "matrix":
+        return None
+    printed = case.printed(name)
+    if printed.floats.shape != ours.floats.shape:
+        return None
+    return MatrixView(f"{name}, as printed", tuple(tuple(typeset(e.text) for e in row) for row in printed.rows))

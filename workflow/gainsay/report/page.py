@@ -14,7 +14,7 @@ from markupsafe import Markup, escape
 
 from gainsay import __version__
 from gainsay.report.claims import AGAINST, NONE_YET, ORDER, QuantityView, Verdicts, quantity_view, verdicts_of
-from gainsay.report.designs import Comparison, comparison, design_matrices
+from gainsay.report.designs import Comparison, DesignView, comparison, design_views
 from gainsay.report.numbers import typeset, unit
 from gainsay.report.pictures import data_uri
 from gainsay.report.provenance import Provenance, provenance_of, provenance_over
@@ -42,7 +42,7 @@ class PaperPage:
     published: PublishedView
     quantities: tuple[QuantityView, ...]
     comparison: Comparison
-    matrices: dict[str, list[tuple]]
+    designs: tuple[DesignView, ...]
 
     @property
     def case(self) -> Any:
@@ -122,7 +122,7 @@ def paper_page(found: PaperResults) -> PaperPage:
         published=published_view(found),
         quantities=tuple(quantity_view(found, quantity) for quantity in found.case.quantities),
         comparison=comparison(found),
-        matrices={design.name: design_matrices(found, design) for design in found.designs},
+        designs=design_views(found.case),
     )
 
 

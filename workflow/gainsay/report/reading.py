@@ -1,6 +1,5 @@
 """What the steps left of a paper, read for the page: what is missing is said, never an error."""
 
-import math
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -11,7 +10,6 @@ from gainsay.errors import InputError
 from gainsay.report.certificates import CertificateFile, read_certificate
 from gainsay.results.returned import read_returned
 from gainsay.tables import Case
-from gainsay.tables.files import read_json, shown
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 from gainsay.verdicts.published import PUBLISHED_COLUMNS
@@ -48,16 +46,6 @@ class FigureFile:
     height: int = 0
 
 
-@dataclass(frozen=True)
-class DesignFile:
-    """A design that the synthesis made; matrices None where it did not."""
-
-    name: str
-    about: str
-    note: str = ""
-    matrices: Mapping[str, Sequence[Sequence[float]]] | None = None
-
-
 @dataclass
 class PaperResults:
     """Tables and result files of a paper, as far as they exist.
@@ -72,7 +60,7 @@ class PaperResults:
         What differs from the record.
     certificates : dict of id to CertificateFile
     scans : dict of claim to Outcome
-    figures, runs, designs : list
+    figures, runs : list
     missing : list of str
         A sentence for each result file that is not there.
     code : tuple of str
@@ -90,7 +78,6 @@ class PaperResults:
     scans: dict[str, Outcome] = field(default_factory=dict)
     figures: list[FigureFile] = field(default_factory=list)
     runs: list[RunFiles] = field(default_factory=list)
-    designs: list[DesignFile] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)
     code: tuple[str, ...] = ()
 
@@ -138,34 +125,6 @@ def _pictures(found: PaperResults, figure_runs: Mapping[str, Sequence[str]] | No
         found.runs.append(RunFiles(name, about, *files, shown_in))
 
 
-def _designs(found: PaperResults) -> None:
-    for name, about in found.case.paper.designs.items():
-        file = found.existing(f"designs/{name}.json")
-        if not file:
-            found.designs.append(DesignFile(name, about))
-            continue
-        try:
-            note, matrices = _design(found.case.results / file, found.case.root)
-        except InputError as error:
-            found.missing.append(f"the design {name} is damaged: {error}")
-            note, matrices = "", None
-        found.designs.append(DesignFile(name, about, note, matrices))
-
-
-def _design(path: Path, root: Path) -> tuple[str, dict[str, list[list[float]]]]:
-    content = read_json(path, root)
-    try:
-        matrices = {name: [[float(x) for x in row] for row in rows] for name, rows in content["matrices"].items()}
-        whole = all(rows and {len(row) for row in rows} == {len(rows[0])} for rows in matrices.values())
-        if not whole or not all(math.isfinite(x) for rows in matrices.values() for row in rows for x in row):
-            raise ValueError("matrices of finite numbers are no such")
-        return str(content["note"]), matrices
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError):
-        raise InputError(
-            "no design", file=shown(path, root), expected="a note and matrices of finite numbers"
-        ) from None
-
-
 def _scans(found: PaperResults) -> None:
     scans = {}
     for path in sorted((found.case.results / "scans").glob("*.json")):
@@ -206,5 +165,4 @@ def read_results(
     found.differences = _table(found, "differences", "nothing is held against the record yet", DIFFERENCE_COLUMNS)
     _scans(found)
     _pictures(found, figure_runs)
-    _designs(found)
     return found

@@ -9,6 +9,7 @@ from gainsay.report.numbers import digits_apart, number, span, typeset, with_uni
 from gainsay.report.reading import PaperResults, Row
 from gainsay.report.sentences import listed, said
 from gainsay.tables.models import Claim
+from gainsay.tables.units import to_si
 from gainsay.verdicts.outcome import Outcome
 
 __all__ = ["condition", "found_value", "input_value", "is_truth", "published_value", "reason", "turning_point"]
@@ -18,8 +19,8 @@ _NUMERIC = ("equal", "at_most", "at_least")
 _TRUTHS = {"feasible": 1.0, "infeasible": 0.0, "holds": 1.0, "fails": 0.0}
 #: digits of an input at which an outcome turns
 _DIGITS_OF_INPUT = 4
-#: inputs that a sentence names, more are counted
-_FEW = 3
+#: what is said where each of so many joined claims holds; of more they are counted
+_ALL_HOLD = {1: "it holds", 2: "both hold"}
 
 
 def is_truth(claim: Claim) -> bool:
@@ -42,7 +43,7 @@ def published_value(found: PaperResults, claim: Claim) -> Markup:
         return escape("feasible")
     if claim.comparator == "all_of":
         many = len(claim.quantity.split())
-        return escape("both hold" if many == 2 else f"all {many} hold")
+        return escape(_ALL_HOLD.get(many, f"all {many} hold"))
     if claim.comparator == "less_than":
         other = found.quantities.get(claim.published)
         bound = number(other["value"], other["unit"], digits=4) if other else escape("the other")
@@ -63,8 +64,11 @@ def found_value(found: PaperResults, claim: Claim, row: Row) -> Markup:
     if claim.comparator == "all_of":
         verdicts = _joined(found, claim)
         held = verdicts.count("reproduced")
-        return escape(("both hold" if held == 2 else f"all {held} hold") if held == len(verdicts)
-                      else f"{held} of {len(verdicts)} hold") if row["verdict"] else Markup("")  # fmt: skip
+        if not row["verdict"]:
+            return Markup("")
+        if held == len(verdicts):
+            return escape(_ALL_HOLD.get(held, f"all {held} hold"))
+        return escape("it does not hold" if len(verdicts) == 1 else f"{held} of {len(verdicts)} hold")
     if is_truth(claim) and text:
         if claim.comparator == "feasible":
             return escape("feasible" if _agrees(claim, text) else "infeasible")
@@ -78,12 +82,17 @@ def found_value(found: PaperResults, claim: Claim, row: Row) -> Markup:
     return number(text, claim.unit, digits=digits_apart(text, ends), power=int(power[1]) if power else None)
 
 
-def condition(given: str) -> str:
-    """Return the condition of a claim in words: ``observer_start=exact`` reads "observer start = exact"."""
-    parts = (part.partition("=") for part in given.split(";"))
-    return ", ".join(
-        f"{name.strip().replace('_', ' ')} = {value.strip().replace('_', ' ')}" for name, _, value in parts
-    )
+def condition(found: PaperResults, given: str) -> Markup:
+    """Return the condition of a claim in words: ``horizon=300`` reads "horizon = 300 s"."""
+    said = []
+    for part in given.split(";"):
+        name, _, value = (text.strip() for text in part.partition("="))
+        parameter = found.case.parameters.get(name)
+        shown = typeset(value) if re.fullmatch(r"[-+.\d]+(e[-+]?\d+)?", value) else escape(value.replace("_", " "))
+        said.append(
+            Markup("{} = {}").format(name.replace("_", " "), with_unit(shown, parameter.unit if parameter else ""))
+        )
+    return Markup(", ").join(said)
 
 
 def input_value(value: object, of: str, digits: int = 6) -> Markup:
@@ -96,27 +105,55 @@ def _name(parameter: str) -> Markup:
 
 
 def turning_point(scan: Outcome) -> Markup:
-    """Return where the outcome of a scan turns: "it turns where inertia x passes 8.94 kg m², and holds below that"."""
+    """Return where the outcome of a scan turns: "holds when inertia x is below 8.94 kg m², fails when it is above"."""
     boundary = scan.boundary
     if boundary is None:
         return Markup("")
     units = {entry.name: entry.unit for entry in scan.inputs}
     holds, fails = boundary.holds, boundary.fails
     if isinstance(holds, str) or isinstance(fails, str):
-        return Markup("with {} = {} it holds, with {} it fails").format(_name(boundary.input), holds, fails)
-    side = "below" if holds < fails else "above"
+        words = (str(value).replace("_", " ") for value in (holds, fails))
+        return Markup("holds with {} = {}, fails with {}").format(_name(boundary.input), *words)
+    sides = ("below", "above") if holds < fails else ("above", "below")
     at = input_value(holds, units[boundary.input], _DIGITS_OF_INPUT)
-    return Markup("it turns where {} passes {}, and holds {} that").format(_name(boundary.input), at, side)
+    return Markup("holds when {} is {} {}, fails when it is {}").format(_name(boundary.input), sides[0], at, sides[1])
 
 
-def _scanned(scan: Outcome) -> Markup:
-    names = [entry.name for entry in scan.inputs]
-    over = listed(_name(name) for name in names) if len(names) <= _FEW else Markup("{} inputs").format(len(names))
-    told = Markup("It depends on {} that the paper leaves out: it holds for {} of {} plausible fillings").format(
-        over, scan.holding, scan.samples
+def _threshold(claim: Claim, low: str, high: str, every: str = "", none: str = "") -> Markup:
+    """Say from which reading of a word without a number on a claim holds; ends are rounded away from each other."""
+    least = number(low, claim.unit, digits=_DIGITS_OF_INPUT, towards="down")
+    greatest = number(high, claim.unit, digits=_DIGITS_OF_INPUT, towards="up")
+    if claim.comparator == "at_least":
+        told = Markup("Holds{} where the sentence asks for {} or less, fails{} where it asks for more than {}")
+        ends = (every, least, none, greatest)
+    else:
+        told = Markup("Holds{} where the sentence allows {} or more, fails{} where it allows less than {}")
+        ends = (every, greatest, none, least)
+    return told.format(*ends) + "; it prints no number."
+
+
+def _scanned(claim: Claim, scan: Outcome) -> Markup:
+    where = (
+        f"{scan.samples} readings" if scan.finite else f"{scan.samples} plausible values of what the paper leaves out"
     )
     turns = turning_point(scan)
-    return Markup("{}; on the way from one to another {}.").format(told, turns) if turns else told + "."
+    if not turns:
+        low, high = (repr(pair[0] / float(to_si(claim.unit)[1])) for pair in (scan.least, scan.greatest))
+        return _threshold(claim, low, high, f" at all {where}", " at all")
+    others = len(scan.inputs) - 1
+    kept = "" if not others else ", the other input kept" if others == 1 else f", the other {others} inputs kept"
+    told = Markup("{}{}{}").format(turns[:1].upper(), turns[1:], kept)
+    if scan.holding == scan.at_best:
+        return Markup("{}; it holds at {} of {}.").format(told, scan.holding, where)
+    return Markup("{}; it holds at {} to {} of {}, over the readings {} of a threshold that it does not print.").format(
+        told, scan.holding, scan.at_best, where, published_range(claim)
+    )
+
+
+def published_range(claim: Claim) -> Markup:
+    """Return the readings of a threshold that the paper does not print: "0.05 to 0.5"."""
+    low, _, high = claim.published.partition("..")
+    return with_unit(Markup("{} to {}").format(typeset(low), typeset(high)), claim.unit)
 
 
 def reason(found: PaperResults, claim: Claim, row: Row, links: Sequence[Markup] = ()) -> Markup:
@@ -138,7 +175,9 @@ def reason(found: PaperResults, claim: Claim, row: Row, links: Sequence[Markup] 
         return Markup("See {}.").format(listed(links))
     scan = found.scans.get(claim.id)
     if scan and row["evidence"].startswith("sampled"):
-        return _scanned(scan)
+        return _scanned(claim, scan)
+    if verdict == "undetermined" and ".." in claim.published and row["range_low"] and row["range_high"]:
+        return _threshold(claim, row["range_low"], row["range_high"])
     if verdict == "contradicted" and row["witness"].startswith(f"{claim.quantity} ="):
         return Markup("")  # the number itself, said already
     return said(row["witness"] or row["note"])
