@@ -8,15 +8,19 @@ References
 B. Wie, Space Vehicle Dynamics and Control, AIAA, 1998, section 6.10.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gainsay.errors import InputError
 from gainsay.exact.floats import real_array
 
+#: numbers in a row
+Vector = Sequence[float] | np.ndarray
 
-def direction_cosines(angles) -> np.ndarray:
+
+def direction_cosines(angles: Vector) -> np.ndarray:
     """Rotation from LVLH to body components for yaw, pitch, roll turned in this order.
 
     Parameters
@@ -39,7 +43,7 @@ def direction_cosines(angles) -> np.ndarray:
     )
 
 
-def rate_matrix(angles) -> np.ndarray:
+def rate_matrix(angles: Vector) -> np.ndarray:
     """Matrix from Euler angle rates to the body components of the rate relative to LVLH, shape (3, 3).
 
     Parameters
@@ -57,7 +61,7 @@ def rate_matrix(angles) -> np.ndarray:
     )
 
 
-def rate_body(angles, angle_rates, n: float) -> np.ndarray:
+def rate_body(angles: Vector, angle_rates: Vector, n: float) -> np.ndarray:
     """Inertial angular rate in body components from Euler angles and their rates.
 
     Parameters
@@ -75,7 +79,7 @@ def rate_body(angles, angle_rates, n: float) -> np.ndarray:
     return rate_matrix(angles) @ np.asarray(angle_rates, dtype=float) - n * direction_cosines(angles)[:, 1]
 
 
-def euler_rates(angles, omega, n: float) -> np.ndarray:
+def euler_rates(angles: Vector, omega: Vector, n: float) -> np.ndarray:
     """Rates of the Euler angles from the inertial rate in body components, the inverse of `rate_body`.
 
     Parameters
@@ -96,7 +100,7 @@ def euler_rates(angles, omega, n: float) -> np.ndarray:
     return np.linalg.solve(rate_matrix(angles), relative)
 
 
-def inertia_matrix(inertia) -> np.ndarray:
+def inertia_matrix(inertia: ArrayLike) -> np.ndarray:
     """Inertia matrix from three principal moments or from itself, kg m^2.
 
     Raises
@@ -116,7 +120,7 @@ def inertia_matrix(inertia) -> np.ndarray:
     return J
 
 
-def gravity_gradient(inertia, angles, n: float) -> np.ndarray:
+def gravity_gradient(inertia: ArrayLike, angles: Vector, n: float) -> np.ndarray:
     """Gravity-gradient torque 3 n^2 a3 x (J a3) in body components, N m, without small-angle approximation.
 
     Parameters
@@ -133,17 +137,17 @@ def gravity_gradient(inertia, angles, n: float) -> np.ndarray:
     return 3 * n**2 * np.cross(nadir, (J * nadir) if J.ndim == 1 else J @ nadir)
 
 
-def gravity_gradient_linear(inertia, angles, n: float) -> np.ndarray:
+def gravity_gradient_linear(inertia: Vector, angles: Vector, n: float) -> np.ndarray:
     """Gravity-gradient torque to first order in the angles for principal moments, N m."""
     Ix, Iy, Iz = inertia
     return 3 * n**2 * np.array([(Iz - Iy) * angles[0], (Iz - Ix) * angles[1], 0.0])
 
 
 def derivative(
-    state,
-    inertia,
+    state: Vector,
+    inertia: ArrayLike,
     n: float,
-    torque,
+    torque: Vector,
     gradient: Callable = gravity_gradient,
 ) -> np.ndarray:
     """Right-hand side of the nonlinear attitude motion.
@@ -172,7 +176,7 @@ def derivative(
     return np.concatenate([euler_rates(angles, omega, n), moment / J if J.ndim == 1 else np.linalg.solve(J, moment)])
 
 
-def jacobi_integral(state, inertia, n: float) -> float:
+def jacobi_integral(state: Vector, inertia: ArrayLike, n: float) -> float:
     """Constant of the motion on a circular orbit without control and disturbance, J.
 
     Kinetic energy of the rate relative to LVLH, plus 3/2 n^2 a3'J a3, minus 1/2 n^2 a2'J a2.

@@ -113,7 +113,7 @@ def _clarabel(scaled: Scaled, constraints: Sequence, margin: float, setting: str
     from scipy import sparse
 
     size = len(scaled.cost)
-    order = [[], [], []]
+    order: tuple[list[int], ...] = ([], [], [])
     for number, constraint in enumerate(constraints):
         order[0 if isinstance(constraint, Equal) else 1 if isinstance(constraint, Entrywise) else 2].append(number)
     left, right, cones = [], [], []
@@ -135,7 +135,7 @@ def _clarabel(scaled: Scaled, constraints: Sequence, margin: float, setting: str
     settings.max_threads = 1  # the order of sums, and so the last digits, must not depend on the machine
     settings.max_iter = 200
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-11
-    for name, value in SETTINGS[setting].items():
+    for name, value in (SETTINGS[setting] or {}).items():
         setattr(settings, name, value)
     quadratic, rows = sparse.csc_matrix((size, size)), sparse.csc_matrix(np.vstack(left))
     found = bare_solve(quadratic, scaled.cost, rows, np.concatenate(right), cones, settings)

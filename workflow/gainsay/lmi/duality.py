@@ -84,7 +84,7 @@ def pushed_inside(program: Program, scale: scaling.Scaling, push: float, setting
 
 def _pushed(scaled: scaling.Scaled, constraints: Sequence, push: float, setting: str = "clarabel") -> tuple:
     extra = np.zeros(len(scaled.cost))
-    shifts = []
+    shifts: list[np.ndarray] = []
     for constraint, tensor, constant in zip(constraints, scaled.tensors, scaled.constants, strict=True):
         if isinstance(constraint, Definite):
             extra += np.einsum("iik->k", tensor)

@@ -130,20 +130,20 @@ def _on_cut(scaled: scaling.Scaled, constraints: Sequence, z: list, cut: float, 
             if frame is None:
                 cores.append(None)
                 continue
-            full = fmpq_mat(r, r)
+            core = fmpq_mat(r, r)
             for a in range(r):
                 for b in range(a + 1):
-                    full[a, b] = full[b, a] = solved[place]
+                    core[a, b] = core[b, a] = solved[place]
                     place += 1
-            if not positive_definite(full):
+            if not positive_definite(core):
                 return None
-            cores.append(full)
+            cores.append(core)
         else:
-            part = solved[place : place + r]
+            entries = solved[place : place + r]
             place += r
-            if isinstance(constraint, Entrywise) and any(v <= 0 for v in part):
+            if isinstance(constraint, Entrywise) and any(v <= 0 for v in entries):
                 return None
-            cores.append(part)
+            cores.append(entries)
     return Face(frames, cores, total)
 
 
@@ -155,7 +155,8 @@ def _frame(z: np.ndarray, cut: float) -> fmpq_mat | None:
         return None
     if basis.shape[1] == len(z):
         return fmpq_mat([[int(i == j) for j in range(len(z))] for i in range(len(z))])
-    rows, pivots = basis.T.copy(), []
+    rows = basis.T.copy()
+    pivots: list[int] = []
     for r in range(len(rows)):
         left = np.abs(rows[r:]).max(axis=0)
         left[pivots] = 0
@@ -253,6 +254,7 @@ def _smaller(program: Program, row: Row, d: np.ndarray, frame: fmpq_mat) -> list
     inner = np.zeros((size, len(rest)))
     inner[rest, range(len(rest))] = 1.0  # unit vectors complete the range
     constraint = row.constraint
+    assert isinstance(constraint, Definite), "frames are of matrix inequalities"
     made: list = []
     equal = _exact_product(program, row, np.eye(size), outer)
     if equal is None:
@@ -292,9 +294,12 @@ def _exact_product(program: Program, row: Row, left: np.ndarray, right: np.ndarr
         return None
     terms = {}
     for variable, place in program.places.items():
-        slices = [exactly(row.tensor[:, :, k]) for k in range(place.start, place.stop)]
-        if any(s is None for s in slices):
-            return None
+        slices = []
+        for k in range(place.start, place.stop):
+            part = exactly(row.tensor[:, :, k])
+            if part is None:
+                return None
+            slices.append(part)
         if any(s.any() for s in slices):
             terms[variable] = np.stack(slices, axis=-1)
     return Affine(constant, terms)

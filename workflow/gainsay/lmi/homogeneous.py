@@ -54,9 +54,11 @@ def homogeneous_part(program: Program) -> Part | None:
             constraints.append((Equal if isinstance(constraint, Equal) else Entrywise)(constraint.label, part))
     if not dropped or not any(is_strict(c) for c in constraints):
         return None
-    part = replace(program, minimise=None, subject_to=constraints, scale=type(program.scale)())
-    sizes = {r.constraint.label: (r.size, r.size) if r.is_matrix else (r.size,) for r in program.rows}
-    return Part(part, rows, sizes)
+    smaller = replace(program, minimise=None, subject_to=constraints, scale=type(program.scale)())
+    sizes: dict[str, tuple[int, ...]] = {
+        r.constraint.label: (r.size, r.size) if r.is_matrix else (r.size,) for r in program.rows
+    }
+    return Part(smaller, rows, sizes)
 
 
 def _without_constants(constant: np.ndarray) -> np.ndarray:

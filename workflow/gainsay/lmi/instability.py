@@ -17,7 +17,7 @@ from flint import fmpq_mat
 
 from gainsay.exact.definite import positive_definite, positive_semidefinite
 from gainsay.exact.rational import to_fmpq
-from gainsay.lmi.affine import Variable
+from gainsay.lmi.affine import Definite, Variable
 from gainsay.lmi.outcomes import Farkas
 from gainsay.lmi.points import is_strict
 from gainsay.lmi.program import Program, Row
@@ -53,7 +53,7 @@ def _block(row: Row, rows: slice, place: slice) -> tuple[np.ndarray, np.ndarray]
 def _parts(row: Row, size: int) -> Iterator[slice]:
     """Principal parts of `size` rows: the block rows as named, and diagonal blocks."""
     starts, total = [], 0
-    for _, length in row.constraint.rows:
+    for _, length in row.constraint.rows if isinstance(row.constraint, Definite) else ():
         if length == size:
             starts.append(total)
         total += length

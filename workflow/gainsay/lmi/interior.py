@@ -48,7 +48,7 @@ def _inside(program: Program, given: Mapping[str, np.ndarray], weighted: bool) -
         return None
     level = scalar("level")
     cancelled = sum(part.against(part.row.tensor) for part in parts)
-    value = sum(part.against(part.row.constant[..., None]) for part in parts)
+    value = sum((part.against(part.row.constant[..., None]) for part in parts), affine(0))
     before = sum(float(np.sum(part.given * part.row.constant)) for part in parts)
     size = sum(part.weight() for part in parts if part.is_cone)
     held = [part.inside(level) for part in parts if part.is_cone]
@@ -59,7 +59,7 @@ def _inside(program: Program, given: Mapping[str, np.ndarray], weighted: bool) -
     if not isinstance(found, Solved) or not found["level"] > 0:
         return None
     rest = {row.constraint.label: np.zeros_like(given[row.constraint.label]) for row in program.rows}
-    return {**rest, **{part.row.constraint.label: part.filled(found[part.variable.name]) for part in parts}}
+    return {**rest, **{part.row.constraint.label: part.filled(found[part.name]) for part in parts}}
 
 
 def _weights(row: Row, given: np.ndarray) -> np.ndarray:
@@ -70,7 +70,7 @@ class _Part:
     """The multiplier of one constraint: an unknown over the rows in which the given one has weight, or over all."""
 
     def __init__(self, name: str, row: Row, given: np.ndarray, least: np.ndarray | None) -> None:
-        self.row, self.given = row, given
+        self.name, self.row, self.given = name, row, given
         self.is_cone = not isinstance(row.constraint, Equal)
         weights = _weights(row, given)
         self.kept = np.arange(len(weights))

@@ -62,11 +62,17 @@ class System:
         flat = [t.reshape(-1, len(cost)) for t in scaled.tensors]
         stack = np.vstack(flat)
         self.sizes = np.linalg.norm(stack, axis=0) * (1 + gamma(len(stack)))
-        self.kept = _independent(stack, cost)
+        self._kept = _independent(stack, cost)
 
     def solvable(self) -> bool:
         """Whether the unknowns whose equations are left out are known to follow from the others."""
-        return self.kept is not None
+        return self._kept is not None
+
+    @property
+    def kept(self) -> np.ndarray:
+        """Unknowns whose equations are solved: the others follow from them, where that is known."""
+        assert self._kept is not None, "ask `solvable` first"
+        return self._kept
 
     def confined(self, multipliers: Sequence[np.ndarray], cut: float) -> Multipliers | None:
         """Prove multipliers ``L (I + E) L'`` with a small E, L a factor of what the given ones have above a cut.
@@ -169,7 +175,7 @@ class System:
 
     def _met(self, frames: Sequence[np.ndarray]) -> np.ndarray:
         """Unknowns that no entry within the frames holds: their equations are met whatever the cores."""
-        free = np.ones(len(self.kept), bool)
+        free = np.ones(len(self.kept), dtype=np.bool_)
         for tensor, frame in zip(self._tensors(), frames, strict=True):
             rows = np.abs(frame).sum(axis=1) > 0
             part = tensor[rows][:, rows] if tensor.ndim == 3 else tensor[rows]
@@ -180,15 +186,15 @@ class System:
         """Prove multipliers Z_j = V_j V_j' of the rank that `cut` leaves, by Gauss-Newton and a contraction."""
         top = _top(self.constraints, multipliers)
         factors: list[np.ndarray] = []
-        for constraint, z in zip(self.constraints, multipliers, strict=True):
+        for constraint, near in zip(self.constraints, multipliers, strict=True):
             if isinstance(constraint, Definite):
-                values, vectors = np.linalg.eigh(z)
+                values, vectors = np.linalg.eigh(near)
                 large = values > cut * top
                 factors.append(vectors[:, large] * np.sqrt(values[large]))
             elif isinstance(constraint, Equal):
-                factors.append(np.array(z))
+                factors.append(np.array(near))
             else:
-                factors.append(np.sqrt(np.where(z > cut * top, z, 0.0)))
+                factors.append(np.sqrt(np.where(near > cut * top, near, 0.0)))
         if sum(f.size for f in factors) < len(self.kept):
             return None
         for number in range(6):
@@ -209,7 +215,9 @@ class System:
                 place += f.size
         if not np.isfinite(step):
             return None
-        z, wide, strict, distance, value = [], [], False, 0.0, 0.0
+        z: list[np.ndarray] = []
+        wide: list[np.ndarray] = []
+        strict, distance, value = False, 0.0, 0.0
         for constraint, constant, f in zip(self.constraints, self.scaled.constants, factors, strict=True):
             if isinstance(constraint, Definite):
                 z.append(f @ f.T)

@@ -24,7 +24,9 @@ def ray(program: Program, scale: scaling.Scaling, attempts: list) -> dict[str, A
     for setting in backends.CLARABEL:
         found = duality.level(cone, (*closed, falls), setting)
         attempts.append({**found.record, "aim": "ray", "level": found.value})
-        size = 0.0 if found.x is None else np.abs(found.x).max(initial=0.0)
+        if found.x is None:
+            continue
+        size = np.abs(found.x).max(initial=0.0)
         for cut in (0.0, 1e-8, 1e-6, 1e-4) if size else ():
             x = np.where(np.abs(found.x) > cut * size, found.x, 0.0)
             proved = points.prove(own, closed, x)

@@ -9,6 +9,7 @@ S. M. Rump, "Verification of positive definiteness", BIT 46 (2006) 433-452.
 
 from dataclasses import dataclass
 from math import fsum
+from typing import Any
 
 import numpy as np
 
@@ -48,7 +49,7 @@ def _rest_of(a: np.ndarray, b: np.ndarray, product: np.ndarray) -> np.ndarray:
     return a2 * b2 - (((product - a1 * b1) - a2 * b1) - a1 * b2)
 
 
-def power_of_two(values: np.ndarray) -> np.ndarray:
+def power_of_two(values: Any) -> Any:
     """Nearest powers of two of positive numbers: factors that scale without rounding."""
     return np.exp2(np.round(np.log2(values)))
 

@@ -58,9 +58,9 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
     first = scaling.first(program) if near is None else scaling.from_point(program, program.coordinates(near))
     inside = None
     if large.is_large(program):
-        found = large.answer(program, first, attempts)
-        if found is not None:
-            return found, program
+        answer = large.answer(program, first, attempts)
+        if answer is not None:
+            return answer, program
     for setting in backends.SETTINGS:
         best = _rounds(program, first, setting, rounds, attempts)
         if best is not None:
@@ -339,7 +339,8 @@ def _lower(program: Program, scale: scaling.Scaling, margins: tuple, attempts: l
     """A bound from multipliers as near to the optimum as a margin lets them be; minus infinity where none is proved."""
     for margin in sorted(margins):
         multipliers, raw = duality.pushed_inside(program, scale, margin)
-        bound, corrected = -np.inf, {}
+        bound: float = -np.inf
+        corrected: dict[str, np.ndarray] = {}
         if multipliers is not None and all(np.isfinite(m).all() for m in multipliers):
             bound, corrected = duality.lower_bound(program, scale, multipliers)
         attempts.append({**raw.record, "aim": "lower", "asked": margin, "objective": bound})

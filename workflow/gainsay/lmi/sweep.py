@@ -154,7 +154,7 @@ def ranges(
         for variable, coefficient in read.terms.items():
             cost[program.places[variable]] = coefficient[0, 0]
         size = np.abs(cost * scale.unknowns).max(initial=0.0) or 1.0
-        ends = []
+        ends: list[tuple[float, dict[str, Any]]] = []
         for side, sign in enumerate((1, -1)):
             if side not in sides:
                 ends.append((float("nan"), {}))

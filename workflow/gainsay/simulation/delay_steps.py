@@ -109,7 +109,16 @@ class Steps:
     forced: np.ndarray
 
     @classmethod
-    def of(cls, A, Bd, Cd, rule: Collocation, h: np.ndarray, f: np.ndarray, reading: Reading) -> "Steps":
+    def of(
+        cls,
+        A: np.ndarray,
+        Bd: np.ndarray,
+        Cd: np.ndarray,
+        rule: Collocation,
+        h: np.ndarray,
+        f: np.ndarray,
+        reading: Reading,
+    ) -> "Steps":
         """Prepare intervals of lengths h under the forcing f, shape (k, s, n)."""
         (n, r), s, count = Bd.shape, len(rule.nodes), len(h)
         width, depth = n + (s + 1) * r, max(1, int(reading.reach.max()))

@@ -272,7 +272,7 @@ def largest(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], n
     before, after = padded[:-2], padded[2:]
     summits = (values >= before) & (values >= after) & ((values > before) | (values > after))  # no plateau
     summits &= values >= value - _CLOSE * np.ptp(values)
-    for index in np.flatnonzero(summits):
+    for index in map(int, np.flatnonzero(summits)):
         low, high = float(grid[max(index - 1, 0)]), float(grid[min(index + 1, len(grid) - 1)])
         polished = minimize_scalar(negative, bounds=(low, high), method="bounded", options={"xatol": 1e-10})
         if -polished.fun > value:

@@ -171,7 +171,7 @@ def _join(known: dict[str, Any], more: Mapping[str, Any], label: str, what: str)
 def _needed(definitions: Mapping[str, str], texts: Iterable[str]) -> dict[str, str]:
     """Definitions that the texts use, directly or through others, in their order."""
     wanted = set().union(*map(names_in, texts)) if texts else set()
-    for name in reversed(definitions):
+    for name in reversed(list(definitions)):
         if name in wanted:
             wanted |= names_in(definitions[name])
     return {name: text for name, text in definitions.items() if name in wanted}

@@ -14,6 +14,7 @@ import numpy as np
 from flint import acb, arb, ctx, fmpq, fmpq_mat, fmpq_poly
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.systems.spectrum import isolated_roots
 
 _PRECISION = 160  # bits: the roots of light modes lie close together relative to their size
 
@@ -250,8 +251,8 @@ def hurwitz(polynomial: fmpq_poly) -> bool:
         If a root cannot be told from the imaginary axis.
     """
     verdict = True
-    for root, _ in polynomial.numer().complex_roots():
-        real = acb(root).real
+    for root, _ in isolated_roots(polynomial):
+        real = root.real
         if real >= 0:
             verdict = False
         elif not real < 0:
@@ -260,8 +261,7 @@ def hurwitz(polynomial: fmpq_poly) -> bool:
 
 
 def _positive_roots(polynomial: fmpq_poly) -> Iterable[arb]:
-    for root, _ in polynomial.numer().complex_roots():
-        value = acb(root)
+    for value, _ in isolated_roots(polynomial):
         if value.imag.contains(0) and not value.imag.is_zero():
             raise ComputationError("delay margin", "a root in w^2 that is neither real nor complex at this precision")
         if value.imag.is_zero() and value.real > 0:

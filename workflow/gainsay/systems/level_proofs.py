@@ -33,7 +33,7 @@ def level_not_reached(system: DelaySystem, delay: float, level: float) -> bool:
     ahead, back = np.zeros_like(H), np.zeros_like(H)
     ahead[np.ix_(a, a)], back[np.ix_(b, b)] = system.A1, -system.A1.T
     E = np.diag(np.concatenate([np.ones(2 * n), np.zeros(m + p)]))
-    require_regular(DelayPencil(E, ((H, 0.0), (ahead, delay), (back, -delay))), [0.0, 1j * top])
+    require_regular(DelayPencil(E, ((H, 0.0), (ahead, delay), (back, -delay))), [0.0, complex(0.0, top)])
     return True
 
 

@@ -8,6 +8,7 @@ K. Zhou, J. C. Doyle, K. Glover, Robust and Optimal Control, Prentice Hall, 1996
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gainsay.errors import ComputationError, InputError
 
@@ -49,7 +50,7 @@ class Lft:
                 )
 
     @classmethod
-    def split(cls, M, rows: int, columns: int) -> "Lft":
+    def split(cls, M: ArrayLike, rows: int, columns: int) -> "Lft":
         """Partition a matrix after its first rows and columns."""
         M = np.asarray(M, dtype=float)
         return cls(M[:rows, :columns], M[:rows, columns:], M[rows:, :columns], M[rows:, columns:])
@@ -59,7 +60,7 @@ class Lft:
         """The whole matrix."""
         return np.block([[self.M11, self.M12], [self.M21, self.M22]])
 
-    def close(self, delta) -> np.ndarray:
+    def close(self, delta: ArrayLike) -> np.ndarray:
         """Close the upper loop: M22 + M21 Delta (I - M11 Delta)^-1 M12.
 
         Parameters
@@ -80,7 +81,7 @@ class Lft:
         """
         return self.M22 + self.M21 @ _loop(np.asarray(delta, dtype=float), self.M11, self.M12)
 
-    def close_below(self, gain) -> np.ndarray:
+    def close_below(self, gain: ArrayLike) -> np.ndarray:
         """Close the lower loop: M11 + M12 K (I - M22 K)^-1 M21, K of shape (m, p); raises as `close` does."""
         return self.M11 + self.M12 @ _loop(np.asarray(gain, dtype=float), self.M22, self.M21)
 

@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 from flint import acb, acb_mat, arb, ctx
+from numpy.typing import ArrayLike
 from scipy.linalg import block_diag
 from scipy.optimize import minimize
 
@@ -46,7 +47,9 @@ class DiskMargin:
     phase: float
 
 
-def disk_margin(A, B, C, D=None, *, skew: float = 0.0) -> DiskMargin:
+def disk_margin(
+    A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None = None, *, skew: float = 0.0
+) -> DiskMargin:
     """Disk margin of a loop L = C (sI - A)^-1 B + D of one channel, closed by negative feedback.
 
     Parameters
@@ -121,7 +124,7 @@ class StructuredBounds:
     scaling: np.ndarray
 
 
-def structured_bounds(M, blocks: Sequence[int]) -> StructuredBounds:
+def structured_bounds(M: ArrayLike, blocks: Sequence[int]) -> StructuredBounds:
     """Bounds on the structured singular value of a matrix for full complex blocks.
 
     The upper bound is least over the scalings, a convex problem; with at most three blocks it is the value itself. The

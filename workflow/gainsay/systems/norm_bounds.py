@@ -180,8 +180,8 @@ def hinf_bounds(
         if not gain > best:
             break
         best, frequency = gain, place
-    place = float(frequency)
-    raise ComputationError("H-infinity norm", f"the ends do not meet above the gain {best!r} at {place:.9g} rad/s")
+    at = f"{float(frequency):.9g} rad/s"
+    raise ComputationError("H-infinity norm", f"the ends do not meet above the gain {best!r} at {at}")
 
 
 def _highest(A: fmpq_mat, B: fmpq_mat, C: fmpq_mat, D: fmpq_mat, places: list[arb]) -> tuple[float, arb]:

@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 from flint import fmpq_mat
+from numpy.typing import ArrayLike
 from scipy.linalg import eig, solve_continuous_are, solve_continuous_lyapunov
 
 from gainsay.errors import ComputationError, InputError
@@ -20,7 +21,15 @@ from gainsay.systems.spectrum import rational, require_hurwitz, require_schur
 from gainsay.systems.statespace import StateSpace
 
 
-def hinf_norm(A, B, C, D=None, *, tolerance: float = 1e-10, sample: float | None = None) -> tuple[float, float]:
+def hinf_norm(
+    A: ArrayLike,
+    B: ArrayLike,
+    C: ArrayLike,
+    D: ArrayLike | None = None,
+    *,
+    tolerance: float = 1e-10,
+    sample: float | None = None,
+) -> tuple[float, float]:
     """H-infinity norm of a stable system.
 
     Parameters
@@ -55,7 +64,15 @@ def hinf_norm(A, B, C, D=None, *, tolerance: float = 1e-10, sample: float | None
     return bounds.lower, bounds.frequency
 
 
-def hinf_enclosure(A, B, C, D=None, *, tolerance: float = 1e-10, sample: float | None = None) -> NormBounds:
+def hinf_enclosure(
+    A: ArrayLike,
+    B: ArrayLike,
+    C: ArrayLike,
+    D: ArrayLike | None = None,
+    *,
+    tolerance: float = 1e-10,
+    sample: float | None = None,
+) -> NormBounds:
     """H-infinity norm of a stable system between two proved ends, (1 + 2 tolerance) apart; see `hinf_norm`."""
     if not 0 < tolerance < 1:
         raise InputError("", field="tolerance", value=tolerance, expected="between 0 and 1")
@@ -69,15 +86,17 @@ def hinf_enclosure(A, B, C, D=None, *, tolerance: float = 1e-10, sample: float |
     _require_sample(sample)
     require_schur(system.A, "H-infinity norm")
     moved = _bilinear(*exact)
-    floats = StateSpace(
-        *(np.array(M.tolist(), dtype=object).astype(float).reshape(M.nrows(), M.ncols()) for M in moved)
-    )
+    floats = StateSpace(*(_rounded(M) for M in moved))
     bounds = hinf_bounds(*moved, _likely_peaks(floats), width=2 * tolerance)
     return replace(bounds, frequency=float(2 * np.arctan(bounds.frequency) / sample))
 
 
 def _exact(system: StateSpace) -> tuple[fmpq_mat, fmpq_mat, fmpq_mat, fmpq_mat]:
-    return tuple(rational(M) for M in (system.A, system.B, system.C, system.D))
+    return rational(system.A), rational(system.B), rational(system.C), rational(system.D)
+
+
+def _rounded(M: fmpq_mat) -> np.ndarray:
+    return np.array(M.tolist(), dtype=object).astype(float).reshape(M.nrows(), M.ncols())
 
 
 def _require_sample(sample: float) -> None:
@@ -85,7 +104,7 @@ def _require_sample(sample: float) -> None:
         raise InputError("", field="sample", value=sample, expected="a positive time, s")
 
 
-def _bilinear(A: fmpq_mat, B: fmpq_mat, C: fmpq_mat, D: fmpq_mat) -> tuple[fmpq_mat, ...]:
+def _bilinear(A: fmpq_mat, B: fmpq_mat, C: fmpq_mat, D: fmpq_mat) -> tuple[fmpq_mat, fmpq_mat, fmpq_mat, fmpq_mat]:
     """Continuous system with the response at s of the discrete one at z = (1 + s)/(1 - s); -1 is no eigenvalue of A."""
     inverse = (A + identity(A.nrows())).inv()
     return (A - identity(A.nrows())) * inverse, 2 * inverse * B, C * inverse, D - C * inverse * B
@@ -146,7 +165,9 @@ def _hamiltonian_pencil(system: StateSpace, level: float) -> tuple[np.ndarray, n
     return M, np.diag(np.concatenate([np.ones(2 * n), np.zeros(m + p)]))
 
 
-def h2_norm(A, B, C, D=None, *, sample: float | None = None) -> float:
+def h2_norm(
+    A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None = None, *, sample: float | None = None
+) -> float:
     """H2 norm of a stable system: square root of trace C P C' (and D D') with the controllability Gramian P.
 
     Parameters
@@ -179,7 +200,9 @@ def h2_norm(A, B, C, D=None, *, sample: float | None = None) -> float:
     return 0.5 * (bounds.lower + bounds.upper)
 
 
-def h2_enclosure(A, B, C, D=None, *, sample: float | None = None) -> NormBounds:
+def h2_enclosure(
+    A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None = None, *, sample: float | None = None
+) -> NormBounds:
     """H2 norm of a stable system between two proved ends, equal but for rounding; see `h2_norm`."""
     system = StateSpace(A, B, C, D)
     exact = _exact(system)
@@ -220,7 +243,9 @@ def _rounded_h2(system: StateSpace) -> float | None:
     return float(np.sqrt(square))
 
 
-def bounded_real_matrix(A, B, C, D, P, gamma: float) -> np.ndarray:
+def bounded_real_matrix(
+    A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None, P: ArrayLike, gamma: float
+) -> np.ndarray:
     """Matrix of the bounded real lemma, [[A'P + PA + C'C, PB + C'D], [., D'D - gamma^2 I]].
 
     Negative definite with P > 0 proves that A is stable and the H-infinity norm is below gamma.
@@ -244,18 +269,21 @@ def bounded_real_matrix(A, B, C, D, P, gamma: float) -> np.ndarray:
     return np.block([[A.T @ P + P @ A + C.T @ C, cross], [cross.T, D.T @ D - gamma**2 * np.eye(B.shape[1])]])
 
 
-def is_definite(M, sign: int = 1) -> bool:
+def is_definite(M: ArrayLike, sign: int = 1) -> bool:
     """Whether sign * M is positive definite, after scaling the diagonal to one so that units do not matter."""
-    M = sign * 0.5 * (np.asarray(M, dtype=float) + np.asarray(M, dtype=float).T)
-    diagonal = np.diag(M)
-    if not np.isfinite(M).all() or np.any(diagonal <= 0):
+    given = np.asarray(M, dtype=float)
+    signed = sign * 0.5 * (given + given.T)
+    diagonal = np.diag(signed)
+    if not np.isfinite(signed).all() or np.any(diagonal <= 0):
         return False
     scale = 1 / np.sqrt(diagonal)
     # The margin is what rounding can move an eigenvalue of a matrix with unit diagonal by.
-    return bool(np.linalg.eigvalsh(M * np.outer(scale, scale)).min() > 8 * M.shape[0] * np.finfo(float).eps)
+    return bool(np.linalg.eigvalsh(signed * np.outer(scale, scale)).min() > 8 * len(signed) * np.finfo(float).eps)
 
 
-def bounded_real_certificate_matrix(A, B, C, D, gamma: float) -> np.ndarray:
+def bounded_real_certificate_matrix(
+    A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None, gamma: float
+) -> np.ndarray:
     """Lyapunov matrix P > 0 for which the bounded real matrix at gamma is negative definite, strictly.
 
     The Riccati equation of the lemma is solved with C'C raised by a positive matrix, the largest multiple for

@@ -1,8 +1,10 @@
 """Regions of the complex plane for poles: disks and half planes."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
 from gainsay.errors import InputError
@@ -35,7 +37,7 @@ class Disk:
         if not real_number(self.radius, "radius") > 0:
             raise InputError("disk", field="radius", value=self.radius, expected="above 0")
 
-    def reach(self, A) -> float:
+    def reach(self, A: ArrayLike) -> Any:
         """Largest modulus of s + centre over the eigenvalues s of A, 1/s; stacks of matrices give an array.
 
         Parameters
@@ -44,11 +46,11 @@ class Disk:
         """
         return _largest(np.abs(np.linalg.eigvals(_stack(A)) + self.centre))
 
-    def holds(self, A) -> bool:
+    def holds(self, A: ArrayLike) -> bool:
         """Whether every eigenvalue of A lies in the disk (floating point)."""
         return bool(np.all(self.reach(A) < self.radius))
 
-    def lyapunov_matrix(self, A) -> np.ndarray:
+    def lyapunov_matrix(self, A: ArrayLike) -> np.ndarray:
         """P > 0 with (A + aI)' P (A + aI) - b^2 P = -b^2 I: it proves that A has its eigenvalues in the disk.
 
         Raises
@@ -75,15 +77,15 @@ class HalfPlane:
     def __post_init__(self) -> None:
         real_number(self.abscissa, "abscissa")
 
-    def reach(self, A) -> float:
+    def reach(self, A: ArrayLike) -> Any:
         """Largest real part over the eigenvalues of A, 1/s; stacks of matrices give an array."""
         return _largest(np.linalg.eigvals(_stack(A)).real)
 
-    def holds(self, A) -> bool:
+    def holds(self, A: ArrayLike) -> bool:
         """Whether every eigenvalue of A lies in the half plane (floating point)."""
         return bool(np.all(self.reach(A) < self.abscissa))
 
-    def lyapunov_matrix(self, A) -> np.ndarray:
+    def lyapunov_matrix(self, A: ArrayLike) -> np.ndarray:
         """P > 0 with (A - alpha I)' P + P (A - alpha I) = -I; raises InputError where there is none."""
         A = square(A)
         if not self.holds(A):
@@ -96,13 +98,13 @@ class HalfPlane:
         return (P + P.T) / 2
 
 
-def _stack(A) -> np.ndarray:
+def _stack(A: ArrayLike) -> np.ndarray:
     A = real_array(A, "matrix")
     if A.ndim < 2 or A.shape[-1] != A.shape[-2] or A.shape[-1] == 0:
         raise InputError("matrix", value=A.shape, expected="square matrices")
     return A
 
 
-def _largest(values: np.ndarray):
+def _largest(values: np.ndarray) -> Any:
     largest = values.max(axis=-1)
     return float(largest) if largest.ndim == 0 else largest

@@ -56,9 +56,9 @@ def candidate_roots(system: DelaySystem, delay: float, nodes: int, count: int) -
     """Distinct polished roots of the upper half plane, and candidates on which Newton does not settle."""
     collocated = upper_half(np.linalg.eigvals(finite_system(system, delay, nodes)[0]))[: count + 4]
     others = [upper_half(np.linalg.eigvals(matrix)) for matrix in (system.A, system.A + system.A1)]
-    polished = [_polish(system, delay, guess) for guess in np.concatenate([collocated, *others])]
-    doubtful = [guess for guess, root in zip(collocated, polished, strict=False) if root is None]
-    polished = [root for root in polished if root is not None]
+    settled = [_polish(system, delay, guess) for guess in np.concatenate([collocated, *others])]
+    doubtful = [guess for guess, root in zip(collocated, settled, strict=False) if root is None]
+    polished = [root for root in settled if root is not None]
     distinct: list[complex] = []
     for root in upper_half(np.array([s if s.imag >= 0 else s.conjugate() for s in polished], dtype=complex)):
         if all(abs(root - other) > 1e-9 * (1 + abs(other)) for other in distinct):

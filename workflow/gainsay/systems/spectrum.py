@@ -6,9 +6,11 @@ polynomial is made squarefree exactly; a mode at 1e-8 rad/s beside one at 1e8 co
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from flint import acb, ctx, fmpq, fmpq_mat, fmpq_poly
+from numpy.typing import ArrayLike
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.systems.statespace import square
@@ -17,7 +19,7 @@ from gainsay.systems.statespace import square
 ROOT_BITS = 160
 
 
-def rational(matrix) -> fmpq_mat:
+def rational(matrix: ArrayLike) -> fmpq_mat:
     """The matrix of doubles (or fractions) as exact rational numbers."""
     rows = np.asarray(matrix, dtype=object)
     exact = [[Fraction(x) for x in row] for row in rows.tolist()]
@@ -26,13 +28,19 @@ def rational(matrix) -> fmpq_mat:
     return fmpq_mat([[fmpq(x.numerator, x.denominator) for x in row] for row in exact])
 
 
+def isolated_roots(polynomial: fmpq_poly) -> list[tuple[acb, int]]:
+    """Return the roots of a rational polynomial as `roots` does, at the precision in force."""
+    found: Any = polynomial.numer().complex_roots()  # pairs, whatever the stubs of the library say
+    return [(acb(root), int(count)) for root, count in found]
+
+
 def roots(polynomial: fmpq_poly) -> list[tuple[acb, int]]:
     """Return the roots of a rational polynomial in disjoint balls, each with its multiplicity.
 
     A real root has an imaginary part of exactly zero.
     """
     with ctx.workprec(ROOT_BITS):
-        return [(acb(root), int(count)) for root, count in polynomial.numer().complex_roots()]
+        return isolated_roots(polynomial)
 
 
 @dataclass(frozen=True)
@@ -56,7 +64,7 @@ class Eigenvalue:
         return complex(float(self.ball.real.mid()), float(self.ball.imag.mid()))
 
 
-def eigenvalues(A) -> list[Eigenvalue]:
+def eigenvalues(A: ArrayLike) -> list[Eigenvalue]:
     """Return every distinct eigenvalue of a real square matrix, enclosed, by decreasing real part.
 
     Parameters
@@ -77,7 +85,7 @@ def eigenvalues(A) -> list[Eigenvalue]:
     return sorted(found, key=lambda e: (-e.value.real, -e.value.imag))
 
 
-def require_hurwitz(A, what: str) -> None:
+def require_hurwitz(A: ArrayLike, what: str) -> None:
     """Refuse a matrix unless every eigenvalue provably has a negative real part.
 
     Raises
@@ -95,7 +103,7 @@ def require_hurwitz(A, what: str) -> None:
             _undecided(what, "the imaginary axis", eigenvalue)
 
 
-def require_schur(A, what: str) -> None:
+def require_schur(A: ArrayLike, what: str) -> None:
     """Refuse a matrix unless every eigenvalue provably has a modulus below one; raises as `require_hurwitz`."""
     for eigenvalue in eigenvalues(A):
         with ctx.workprec(ROOT_BITS):

@@ -3,12 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gainsay.errors import InputError
 from gainsay.exact.floats import real_array
 
 
-def spectral_abscissa(A) -> float:
+def spectral_abscissa(A: ArrayLike) -> float:
     """Largest real part among the eigenvalues of a square matrix.
 
     Parameters
@@ -29,7 +30,7 @@ def spectral_abscissa(A) -> float:
     return float(np.linalg.eigvals(square(A, "A")).real.max())
 
 
-def square(A, name: str = "A") -> np.ndarray:
+def square(A: ArrayLike, name: str = "A") -> np.ndarray:
     """Return the matrix as a finite square float array, or raise InputError naming it."""
     array = finite(A, name)
     if array.shape[0] != array.shape[1] or array.shape[0] == 0:
@@ -37,7 +38,7 @@ def square(A, name: str = "A") -> np.ndarray:
     return array
 
 
-def finite(M, name: str) -> np.ndarray:
+def finite(M: ArrayLike, name: str) -> np.ndarray:
     """Return the matrix as a finite two-dimensional float array, or raise InputError naming it."""
     array = real_array(M, name)
     if array.ndim != 2:
@@ -45,7 +46,7 @@ def finite(M, name: str) -> np.ndarray:
     return array
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class StateSpace:
     """A state-space system with checked shapes.
 
@@ -69,12 +70,12 @@ class StateSpace:
     A: np.ndarray
     B: np.ndarray
     C: np.ndarray
-    D: np.ndarray | None = None
+    D: np.ndarray
 
-    def __post_init__(self) -> None:
-        A, B, C = square(self.A, "A"), finite(self.B, "B"), finite(self.C, "C")
+    def __init__(self, A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None = None) -> None:
+        A, B, C = square(A, "A"), finite(B, "B"), finite(C, "C")
         states, inputs, outputs = A.shape[0], B.shape[1], C.shape[0]
-        D = np.zeros((outputs, inputs)) if self.D is None else finite(self.D, "D")
+        D = np.zeros((outputs, inputs)) if D is None else finite(D, "D")
         for name, matrix, shape in (
             ("B", B, (states, inputs)),
             ("C", C, (outputs, states)),

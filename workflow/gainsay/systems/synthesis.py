@@ -11,9 +11,12 @@ J. Doyle, K. Glover, P. Khargonekar, B. Francis, State-space solutions to standa
 IEEE Trans. Automatic Control 34 (1989) 831-847.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are
 
 from gainsay.errors import ComputationError, InputError
@@ -25,7 +28,7 @@ from gainsay.systems.statespace import StateSpace, finite, square
 _ROOMS = (1e-3, 1e-2, 1e-1)  # above the least gamma: at it the solution is on the boundary and the gains run away
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class StandardPlant:
     """x' = A x + B1 w + B2 u, z = C1 x + D11 w + D12 u, y = C2 x + D21 w.
 
@@ -47,20 +50,34 @@ class StandardPlant:
     B2: np.ndarray
     C1: np.ndarray
     C2: np.ndarray
-    D11: np.ndarray | None = None
-    D12: np.ndarray | None = None
-    D21: np.ndarray | None = None
+    D11: np.ndarray
+    D12: np.ndarray
+    D21: np.ndarray
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "A", square(self.A, "A"))
-        for name in ("B1", "B2", "C1", "C2"):
-            object.__setattr__(self, name, finite(getattr(self, name), name))
-        n, w, u = len(self.A), self.B1.shape[1], self.B2.shape[1]
-        z, y = self.C1.shape[0], self.C2.shape[0]
-        shapes = {"B1": (n, w), "B2": (n, u), "C1": (z, n), "C2": (y, n)}
-        for name, shape in (shapes | {"D11": (z, w), "D12": (z, u), "D21": (y, w)}).items():
-            value = getattr(self, name)
-            value = np.zeros(shape) if value is None else finite(value, name)
+    def __init__(
+        self,
+        A: ArrayLike,
+        B1: ArrayLike,
+        B2: ArrayLike,
+        C1: ArrayLike,
+        C2: ArrayLike,
+        D11: ArrayLike | None = None,
+        D12: ArrayLike | None = None,
+        D21: ArrayLike | None = None,
+    ) -> None:
+        object.__setattr__(self, "A", square(A, "A"))
+        B1, B2, C1, C2 = finite(B1, "B1"), finite(B2, "B2"), finite(C1, "C1"), finite(C2, "C2")
+        n, w, u, z, y = len(self.A), B1.shape[1], B2.shape[1], C1.shape[0], C2.shape[0]
+        for name, given, shape in (
+            ("B1", B1, (n, w)),
+            ("B2", B2, (n, u)),
+            ("C1", C1, (z, n)),
+            ("C2", C2, (y, n)),
+            ("D11", D11, (z, w)),
+            ("D12", D12, (z, u)),
+            ("D21", D21, (y, w)),
+        ):
+            value = np.zeros(shape) if given is None else finite(given, name)
             if value.shape != shape or 0 in shape:
                 raise InputError("plant", field=name, value=value.shape, expected=f"shape {shape}, none of it zero")
             object.__setattr__(self, name, value)
@@ -128,7 +145,7 @@ def hinf_state_feedback(plant: StandardPlant) -> Synthesis:
     n, u = plant.B2.shape
     X, Y = symmetric("X", n), matrix("Y", u, n)
 
-    def conditions(gamma) -> list:
+    def conditions(gamma: Any) -> list:
         F = BlockMatrix("bounded real lemma", "x", "w", "z")
         F["x", "x"] = sym(plant.A @ X + plant.B2 @ Y)
         F["x", "w"] = plant.B1
@@ -168,7 +185,7 @@ def hinf_output_feedback(plant: StandardPlant) -> Synthesis:
     X, Y = symmetric("X", n), symmetric("Y", n)
     Ah, Bh, Ch, Dh = matrix("Ah", n, n), matrix("Bh", n, y), matrix("Ch", u, n), matrix("Dh", u, y)
 
-    def conditions(gamma) -> list:
+    def conditions(gamma: Any) -> list:
         F = BlockMatrix("bounded real lemma", "x", "y", "w", "z")
         F["x", "x"] = sym(A @ X + B2 @ Ch)
         F["x", "y"] = Ah.T + A + B2 @ Dh @ C2
@@ -199,7 +216,9 @@ def hinf_output_feedback(plant: StandardPlant) -> Synthesis:
     return _near_the_least(conditions, close)
 
 
-def _near_the_least(conditions, close) -> Synthesis:
+def _near_the_least(
+    conditions: Callable[[Any], list], close: Callable[[dict], tuple[np.ndarray | StateSpace, StateSpace]]
+) -> Synthesis:
     gamma = scalar("gamma")
     found = infimum(Program(minimise=gamma, subject_to=conditions(gamma), label="H-infinity synthesis"))
     if not isinstance(found, Infimum):
