@@ -11,7 +11,7 @@ LIBRARY = ROOT / "workflow" / "gainsay"
 #: from the ground up; what stands together may import each other
 FLOORS = (
     ("errors",), ("exact",), ("tables",), ("results",), ("proof",), ("lmi",), ("statements",), ("systems",),
-    ("dynamics",), ("simulation",), ("logs",), ("figures",), ("verdicts",), ("report",),
+    ("dynamics",), ("simulation",), ("logs",), ("figures",), ("verdicts",), ("campaigns",), ("report",),
     ("steps", "cli", "bench", "rules", "scaffold", "__main__"),
 )  # fmt: skip
 LEVEL = {name: level for level, floor in enumerate(FLOORS) for name in floor}

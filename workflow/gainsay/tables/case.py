@@ -12,6 +12,7 @@ from gainsay.errors import InputError, one_of
 from gainsay.exact.digits import PrintedNumber
 from gainsay.tables.designs import Design
 from gainsay.tables.models import (
+    Campaign,
     Claim,
     Erratum,
     NotChecked,
@@ -76,6 +77,8 @@ class Case:
     recorded_certificates : mapping of certificate to RecordedCertificate
     designs : mapping of name to Design
         Gains that a search found.
+    campaigns : mapping of name to Campaign
+        Computations too large for a run of the workflow.
     """
 
     name: str
@@ -92,6 +95,7 @@ class Case:
     recorded_reads: Mapping[tuple[str, str], RecordedRead]
     recorded_certificates: Mapping[str, RecordedCertificate]
     designs: Mapping[str, Design]
+    campaigns: Mapping[str, Campaign]
     _matrices: Mapping[str, PrintedMatrix] = field(repr=False)
 
     @property

@@ -13,6 +13,7 @@ from gainsay.tables.designs import read_designs
 from gainsay.tables.files import listed, shown
 from gainsay.tables.lint import lint
 from gainsay.tables.models import (
+    Campaign,
     Claim,
     Erratum,
     NotChecked,
@@ -29,7 +30,7 @@ from gainsay.tables.reading import AnyRow, PrintedMatrix, read_matrix, read_pape
 _NAME = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
 _LONGEST_NAME = 60
 #: names of the workflow's own targets
-_RESERVED = ("all", "check", "report")
+_RESERVED = ("all", "campaigns", "check", "report")
 _MATRIX = re.compile(r"(?P<file>printed/[A-Za-z0-9_]+\.csv) (?P<rows>[1-9]\d{0,3})x(?P<columns>[1-9]\d{0,3})", re.ASCII)
 
 
@@ -182,6 +183,7 @@ def read_case(root: Path, paper: str) -> Case:
         recorded_reads=table("recorded_reads.csv", RecordedRead, ("quantity", "parameter"), needed=False),
         recorded_certificates=table("recorded_certificates.csv", RecordedCertificate, "certificate", needed=False),
         designs=Designs(read_designs(folder, paper_file.designs, root)),
+        campaigns=table("campaigns.csv", Campaign, "name", needed=False),
         _matrices=MappingProxyType(matrices),
     )
     lint(case)

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator
 
 from gainsay.errors import InputError, nearest, one_of
 from gainsay.exact.digits import PrintedNumber, double
+from gainsay.tables.campaigns import faults as campaign_faults
 from gainsay.tables.case import Case
 from gainsay.tables.models import Claim, Toleranced
 from gainsay.tables.units import to_si
@@ -280,6 +281,8 @@ def lint(case: Case) -> None:
         if found.claim not in case.claims:
             faults = [("claim", found.claim, "one of claims.csv")]
         _refuse_first(faults, f"papers/{case.name}/recorded_scans.csv", row)
+    for row, campaign in enumerate(case.campaigns.values(), start=_ROW_OF_FIRST):
+        _refuse_first(campaign_faults(case, campaign), f"papers/{case.name}/campaigns.csv", row)
 
 
 def _measure_faults(case: Case, quantity: str, text: str) -> Iterator[tuple[str, str, str]]:
@@ -303,7 +306,7 @@ def measure_of(case: Case, text: str, design: str) -> str:
     return next((name for name in names if name in case.quantities), "")
 
 
-def _refuse_first(faults: Iterable[tuple[str, str, str]], file: str, row: int | None) -> None:
+def _refuse_first(faults: Iterable[tuple[str, object, str]], file: str, row: int | None) -> None:
     for field, value, expected in faults:
         raise InputError(file=file, row=row, field=field, value=value, expected=expected)
 

@@ -221,6 +221,25 @@ class RecordedCertificate(Row):
     )
 
 
+class Campaign(Row):
+    """A computation too large for a run of the workflow: evaluated in blocks, by chunks, here or on a cluster."""
+
+    name: Slug = Field(description="name of the campaign, as in the paper's module `campaigns`")
+    kind: Literal["scan", "map", "draws", "box"] = Field(
+        description="`scan`: numbers over a grid of inputs; `map`: what is proved at each point of a grid; "
+        "`draws`: counts over random draws; `box`: what is proved over every cell of a box"
+    )
+    inputs: Filled = Field(description="range of each input: `name=low..high; name=low..high log`")
+    resolution: Filled = Field(
+        description="points (of a box: cells) along each input, one number for all or `24x16`; the number of draws"
+    )
+    seed: Text = Field(description="seed of the draws; empty where nothing is drawn")
+    block: Filled = Field(description="points evaluated together: a result depends on it where arithmetic does")
+    chunk: Filled = Field(description="points of one job, whole blocks; no result depends on it")
+    claim: Text = Field(description="the claim of claims.csv that it speaks of; may be empty")
+    question: Filled = Field(description="what it answers, one sentence")
+
+
 class PaperFile(BaseModel):
     """`paper.toml`: citation, designs, runs and figures."""
 
@@ -271,4 +290,5 @@ TABLES: dict[str, type[Row]] = {
     "recorded_scans.csv": RecordedScan,
     "recorded_reads.csv": RecordedRead,
     "recorded_certificates.csv": RecordedCertificate,
+    "campaigns.csv": Campaign,
 }
