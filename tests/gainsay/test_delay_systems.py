@@ -269,7 +269,9 @@ def test_bounds_grow_with_the_degree_towards_the_exact_margin():
 def test_no_condition_holds_where_the_system_is_unstable(seed, delay):
     system = random_system(seed, 2)
     assume(spectral_abscissa(system, delay) > 1e-3)
-    assert -level(bessel_legendre(system.A, system.Bd, system.Cd, delay, 1)).value < 1e-8
+    found = level(bessel_legendre(system.A, system.Bd, system.Cd, delay, 1))
+    # an infimum whose two ends do not meet has no value; its lower end is proved
+    assert -(found.lower if np.isnan(found.value) else found.value) < 1e-8
 
 
 def test_a_known_example_of_the_hierarchy():

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterator
+from functools import partial
 
 from gainsay.bench.measure import Row, cpu_of_command, paired
 from gainsay.proof import check_file
@@ -30,6 +31,12 @@ def replays(case: Case) -> Iterator[Row]:
         bare = f"import gainsay.cli, gainsay.steps.replay, papers.{case.name}.runs{extra}; {read}"
         again = [sys.executable, "-m", "gainsay.cli", "replay", *flags, str(log)]
         alone = [sys.executable, "-c", bare]
-        yield paired(f"{case.name}: replay, {what}", lambda again=again: again, "reading it + imports",
-                     lambda alone=alone: alone, aim=2.0, runs=1,
-                     timer=lambda make: cpu_of_command(make(), case.root))  # fmt: skip
+        yield paired(
+            f"{case.name}: replay, {what}",
+            partial(cpu_of_command, again, case.root),
+            "reading it + imports",
+            partial(cpu_of_command, alone, case.root),
+            aim=2.0,
+            runs=1,
+            timer=lambda measured: measured(),
+        )

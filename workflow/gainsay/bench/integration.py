@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from importlib import import_module
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,7 @@ def rendezvous(case: Case) -> Iterator[Row]:
     for method in _METHODS:
         for rtol in _TOLERANCES:
 
-            def bare(method: str = method, rtol: float = rtol):
+            def bare(method: str = method, rtol: float = rtol) -> Any:
                 return solve_ivp(slope, (0, end), state, method, rtol=rtol, atol=rtol * size, dense_output=True)
 
             seconds = cpu_of(bare)

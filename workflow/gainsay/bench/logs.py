@@ -3,6 +3,7 @@
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from gainsay.logs import LogWriter, read_log
 _SAMPLES, _FIELDS = 200_000, tuple(f"x{i}" for i in range(12))
 
 
-def _message_class():
+def _message_class() -> Any:
     """Return a protobuf message of twelve doubles, as a plain user of the library would define it."""
     from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -66,8 +67,8 @@ def cpu_of_command(arguments: Sequence[str], folder: Path) -> float:
 
 
 def paired(
-    what: str, candidate: Callable[[], object], against: str, baseline: Callable[[], object], *,
-    aim: float | None = None, runs: int = 5, timer: Callable[[Callable[[], object]], float] = cpu_of,
+    what: str, candidate: Callable[[], Any], against: str, baseline: Callable[[], Any], *,
+    aim: float | None = None, runs: int = 5, timer: Callable[[Callable[[], Any]], float] = cpu_of,
 ) -> Row:  # fmt: skip
     """Measure two calls in turn and return the medians; several runs have one more before them, to warm up."""
     if runs > 1:

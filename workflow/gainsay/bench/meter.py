@@ -68,7 +68,9 @@ class Meter:
         from gainsay.lmi import backends
         from gainsay.simulation import batch, delay_steps, linear, ode, periodic
 
-        places = [(backends, "bare_solve", self.around("solves", backends.bare_solve))]
+        places: list[tuple[Any, str, Callable[..., Any]]] = [
+            (backends, "bare_solve", self.around("solves", backends.bare_solve))
+        ]
         places += [(module, "solve_ivp", self.around("integrations", module.solve_ivp)) for module in (ode, batch)]
         places += [
             (kind, name, self.around("integrations", getattr(kind, name)))

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from gainsay.bench.measure import Row, paired
 from gainsay.bench.random_programs import Drawn, draw
-from gainsay.lmi import Infeasible, Infimum, Solved, backends, infimum, scaling, solve
+from gainsay.lmi import Infeasible, Infimum, Program, Solved, backends, infimum, scaling, solve
 from gainsay.lmi.affine import affine
 
 #: rows and unknowns
@@ -36,21 +37,21 @@ def rows() -> Iterator[Row]:
                 if not isinstance(solve(drawn.program), kind):
                     raise RuntimeError(f"{drawn.program.label}: not the known outcome")
 
-            yield paired(what, ours, "plain cvxpy with Clarabel", lambda d=drawn: _plain(d), aim=_AIM, runs=runs)
+            yield paired(what, ours, "plain cvxpy with Clarabel", partial(_plain, drawn), aim=_AIM, runs=runs)
         if size == _SIZES[-1][0]:
             continue  # a minute, and no other way than that of the size before
         least = _bounded(rng, size, unknowns)
 
-        def enclosed(program=least) -> None:
+        def enclosed(program: Program = least) -> None:
             found = infimum(program)
             if not (isinstance(found, Infimum) and found.upper - found.lower < 1e-5 * max(1.0, abs(found.upper))):
                 raise RuntimeError(f"{program.label}: not enclosed")
 
         yield paired(f"{size} rows, {unknowns} unknowns, an infimum", enclosed, "plain cvxpy with Clarabel",
-                     lambda p=least: _plain(Drawn(p, True, 0.0)), aim=_AIM, runs=runs)  # fmt: skip
+                     partial(_plain, Drawn(least, True, 0.0)), aim=_AIM, runs=runs)  # fmt: skip
 
 
-def _bounded(rng: np.random.Generator, size: int, unknowns: int):
+def _bounded(rng: np.random.Generator, size: int, unknowns: int) -> Program:
     """A feasible program with an objective that a definite multiplier bounds."""
     program = draw(rng, size, unknowns, True, 1e-2).program
     block = program.constraints[0].expression

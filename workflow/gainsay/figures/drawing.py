@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -100,11 +101,13 @@ def bound(
     upright : bool
         Whether `value` is of the abscissa: a printed time.
     """
-    look = {"color": role(role_name).on_light, "linestyle": DASHES["dashed"], "linewidth": 0.8}
+    look: dict[str, Any] = {"color": role(role_name).on_light, "linestyle": DASHES["dashed"], "linewidth": 0.8}
     if upright:
         panel.axvline(value, **look)
-        place, along = (value, 1.01), {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom"}
-        panel.annotate(name, place, fontsize=7, color=look["color"], **along)
+        panel.annotate(
+            name, (value, 1.01), xycoords=("data", "axes fraction"), ha="center", va="bottom", fontsize=7,
+            color=look["color"],
+        )  # fmt: skip
         return
     for sign in (1, -1) if both else (1,):
         panel.axhline(sign * value, **look)
@@ -116,14 +119,15 @@ def bound(
 
 def finish(figure: Figure, panels_of_it: Sequence[Axes], *, x: str = "time [s]") -> None:
     """Name the abscissae of the lowest panels and put one legend above all of them, where it covers no curve."""
-    entries: dict[str, object] = {}
+    entries: dict[str, Any] = {}
     for panel in panels_of_it:
-        if panel.get_subplotspec().is_last_row() or not panel.get_shared_x_axes().get_siblings(panel)[1:]:
+        place = panel.get_subplotspec()
+        if place is None or place.is_last_row() or not panel.get_shared_x_axes().get_siblings(panel)[1:]:
             panel.set_xlabel(x)
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     if entries:
-        figure.legend(entries.values(), entries.keys(), loc="outside upper left", ncols=min(len(entries), 5))
+        figure.legend([*entries.values()], [*entries], loc="outside upper left", ncols=min(len(entries), 5))
 
 
 def save(spec: FigureSpec, logs: Mapping[str, Log], case: Case, folder: Path) -> None:

@@ -1,9 +1,11 @@
 """The look of all figures, in one place: type, lines, sizes, and what each journal has room for."""
 
+from typing import Any
+
 from gainsay.tables import Case
 
 #: matplotlib's settings
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8,
     "mathtext.fontset": "dejavusans",

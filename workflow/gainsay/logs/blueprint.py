@@ -1,6 +1,7 @@
 """Rerun blueprint made from a `Layout`. Imports rerun: see `gainsay.logs.drawing`."""
 
 from collections import defaultdict
+from typing import Any
 
 import rerun as rr
 import rerun.blueprint as rrb
@@ -45,6 +46,7 @@ def blueprint(layout: Layout, log: Log) -> rrb.Blueprint:
 
 
 def _item(item: Item, log: Log, title: str = "") -> rrb.View | rrb.Container:
+    view: rrb.View
     match item:
         case Rows():
             parts = [_item(part, log) for part in item.items]
@@ -88,7 +90,7 @@ def _series(line: Line, log: Log) -> rrb.Visualizer:
 
 
 def _plot(plot: Plot, log: Log) -> rrb.TimeSeriesView:
-    lines = defaultdict(list)
+    lines: defaultdict[Any, list[Any]] = defaultdict(list)
     sides = {name: tuple(bound) for name, bound in log.bounds.items()}
     for line in (*plot.lines, *bound_lines(plot, sides)):
         lines[line.topic].append(_series(line, log))
@@ -110,7 +112,7 @@ def _plot(plot: Plot, log: Log) -> rrb.TimeSeriesView:
 
 def _scene(scene: Scene, log: Log) -> rrb.Spatial3DView:
     place, target = eye_of(scene, log)
-    eye = {"position": place, "look_target": target, "eye_up": (0.0, 0.0, 1.0)}
+    eye: dict[str, Any] = {"position": place, "look_target": target, "eye_up": (0.0, 0.0, 1.0)}
     if scene.follow:
         eye["tracking_entity"] = f"/scene/axes_{scene.follow}/origin"
     return rrb.Spatial3DView(

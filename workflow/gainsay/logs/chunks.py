@@ -32,6 +32,12 @@ class RawChannel:
     blocks: list[np.ndarray] = field(default_factory=list)
     messages: list[tuple[int, bytes]] = field(default_factory=list)
 
+    @property
+    def doubles(self) -> int:
+        """Doubles of a message of a channel that has a fixed width."""
+        assert self.width is not None, f"{self.topic} has messages for viewers"
+        return self.width
+
 
 @dataclass(frozen=True)
 class ChunkPlace:
@@ -200,14 +206,14 @@ def _read_message(data: bytes, start: int, body: int, end: int, channel: RawChan
 
 def _block(data: bytes, start: int, channel: RawChannel) -> np.ndarray:
     """Return the message at `start` and all that follow it on the same channel, as an array of records."""
-    dtype, _ = signal_record(channel.width)
+    dtype, _ = signal_record(channel.doubles)
     block = np.frombuffer(data, dtype, count=(len(data) - start) // dtype.itemsize, offset=start)
     return block[: _run(block, channel.id)]
 
 
 def _read_block(data: bytes, start: int, end: int, channel: RawChannel, log: RawLog, where: Place) -> int:
     """Check the message at `start` and all that follow it on the same channel; return where they end."""
-    dtype, constants = signal_record(channel.width)
+    dtype, constants = signal_record(channel.doubles)
     if end - start != dtype.itemsize:
         raise where.error(f"message of {end - start - 9} bytes on {channel.topic}", start, str(dtype.itemsize - 9))
     block = _block(data, start, channel)
@@ -228,8 +234,8 @@ def _read_block(data: bytes, start: int, end: int, channel: RawChannel, log: Raw
         raise where.error(
             f"message of {channel.topic}: number or time", start + row * dtype.itemsize, f"number {int(expected[row])}"
         )
-    if log.keep(8 * channel.width * len(block)):
-        channel.blocks.append(doubles(block, range(channel.width)))
+    if log.keep(8 * channel.doubles * len(block)):
+        channel.blocks.append(doubles(block, range(channel.doubles)))
     channel.count += len(block)
     channel.last = float(block["v1"][-1])
     return start + block.nbytes

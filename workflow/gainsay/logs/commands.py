@@ -58,7 +58,7 @@ def list_logs(root: Path, paper: str | None = None) -> int:
         for line in describe(Path(paper)):
             print(line)
         return 0
-    rows = [("paper", "run", "duration [s]", "topics", "messages", "size [B]", "what it is")]
+    rows: list[tuple[str, ...]] = [("paper", "run", "duration [s]", "topics", "messages", "size [B]", "what it is")]
     code = 0
     for mcap in log_files(root, paper):
         try:
@@ -68,8 +68,8 @@ def list_logs(root: Path, paper: str | None = None) -> int:
             code = 2
             continue
         messages = sum(log.count(topic) for topic in log.topics)
-        row = (_paper(mcap), mcap.stem, f"{log.duration:g}", len(log.topics), messages, log.size)
-        rows.append(tuple(str(cell) for cell in (*row, log.metadata.get("about", ""))))
+        cells = (_paper(mcap), mcap.stem, f"{log.duration:g}", len(log.topics), messages, log.size)
+        rows.append(tuple(str(cell) for cell in (*cells, log.metadata.get("about", ""))))
     if sys.stdout.isatty():
         widths = [max(len(row[column]) for row in rows) for column in range(6)]
         for row in rows:
@@ -182,7 +182,8 @@ def gallery(root: Path, papers: Iterable[str] = (), *, out: str = "gallery") -> 
     """
     from gainsay.logs.render import NotCheckedError, render
 
-    code, shown = 0, []
+    code = 0
+    shown: list[tuple[Path, list[Path]]] = []
     for paper in tuple(papers) or (None,):
         for mcap in log_files(root, paper):
             folder = mcap.parent.parent / out

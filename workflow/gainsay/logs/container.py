@@ -11,7 +11,7 @@ import struct
 import tempfile
 import zlib
 from collections.abc import Iterator, Mapping
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 import zstandard
@@ -24,6 +24,7 @@ from mcap.records import (
     DataEnd,
     Footer,
     Header,
+    McapRecord,
     Metadata,
     MetadataIndex,
     Schema,
@@ -43,7 +44,7 @@ MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 _CHUNK_HEAD = struct.Struct("<QQQI")
 
 
-def _packed(record: object) -> bytes:
+def _packed(record: McapRecord) -> bytes:
     builder = RecordBuilder()
     record.write(builder)
     return builder.end()
@@ -260,7 +261,7 @@ class Container:
             metadata_count=len(self._metadata),
             schema_count=len(self._schemas),
         )
-        groups = [
+        groups: list[tuple[int, list[Any]]] = [
             (3, self._schemas),
             (4, self._channels),
             (11, [statistics]),

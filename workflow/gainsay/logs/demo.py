@@ -5,6 +5,7 @@ it; the curves are closed forms.
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from gainsay.logs.writer import LogWriter
 
 _POSITION = {"x": "m", "y": "m", "z": "m"}
 _THRUST = {"x": "N", "y": "N", "z": "N"}
-_WING = {"length": 900.0, "width": 260.0, "tip": (300.0,)}
+_WING: dict[str, Any] = {"length": 900.0, "width": 260.0, "tip": (300.0,)}
 
 ABOUT = """
 # A spiral approach

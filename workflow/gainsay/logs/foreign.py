@@ -44,7 +44,8 @@ def describe(path: Path) -> Iterator[str]:
 def _foreign(path: Path, header: Header, records: Iterator[object]) -> Iterator[str]:
     channels: dict[int, Channel] = {}
     counts: Counter[int] = Counter()
-    first = last = None
+    first: int | None = None
+    last = 0
     broken = ""
     try:
         for record in records:
@@ -53,7 +54,7 @@ def _foreign(path: Path, header: Header, records: Iterator[object]) -> Iterator[
             elif isinstance(record, Message):
                 counts[record.channel_id] += 1
                 first = record.log_time if first is None else min(first, record.log_time)
-                last = record.log_time if last is None else max(last, record.log_time)
+                last = max(last, record.log_time)
     except Exception as error:  # a file of somebody else may break any reader; what was read before that is told
         broken = f"; it breaks off: {one_line(str(error)) or type(error).__name__}"
     duration = 0.0 if first is None else (last - first) / 1e9

@@ -13,7 +13,6 @@ from gainsay.logs.layout import (
     Item,
     Layout,
     Line,
-    Panel,
     Plot,
     Rows,
     Scene,
@@ -69,9 +68,8 @@ class _Builder:
         if not isinstance(item, Rows | Columns):
             return self.panel(item)
         parts = [(self.tree(part), share) for part, share in zip(item.items, item.shares, strict=True)]
-        return self.split(
-            "column" if isinstance(item, Rows) else "row", [part for part in parts if part[0] is not None]
-        )
+        shown = [(tree, share) for tree, share in parts if tree is not None]
+        return self.split("column" if isinstance(item, Rows) else "row", shown)
 
     def split(self, direction: str, parts: list[tuple[str | dict, float]]) -> str | dict | None:
         if len(parts) < 2:
@@ -83,7 +81,7 @@ class _Builder:
             "splitPercentage": round(100.0 * parts[0][1] / sum(share for _, share in parts), 3),
         }
 
-    def panel(self, panel: Panel) -> str:
+    def panel(self, panel: Plot | Scene | EventLog) -> str:
         match panel:
             case Plot():
                 return self.add("Plot", self.plot(panel))

@@ -94,7 +94,9 @@ class Plot:
     @property
     def unit(self) -> str:
         """Unit named by the title."""
-        return _UNIT.fullmatch(self.title)[1]
+        found = _UNIT.fullmatch(self.title)
+        assert found, "checked when made"
+        return found[1]
 
 
 @dataclass(frozen=True)

@@ -57,10 +57,10 @@ def rerun_binary() -> str:
         found = Path(folder, "rerun_cli", "rerun.exe" if os.name == "nt" else "rerun")
         if found.is_file():
             return str(found)
-    found = shutil.which("rerun")
-    if found is None:
+    command = shutil.which("rerun")
+    if command is None:
         raise LogError("the Rerun viewer is not installed", expected="the package rerun-sdk")
-    return found
+    return command
 
 
 def call(*arguments: str, timeout: float = 120.0) -> str:

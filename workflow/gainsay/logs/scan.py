@@ -9,7 +9,7 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -165,13 +165,19 @@ def _check_statistics(fields: Fields, at: int, log: RawLog, where: Place) -> Non
     counts = {fields.number("H"): fields.number("Q") for _ in range(size // 10)}
     fields.done()
     read = {number: channel.count for number, channel in log.channels.items() if channel.count}
-    sizes = (sum(read.values()), len(log.schemas), len(log.channels))
-    sizes += (len(log.attachments), len(log.metadata), len(log.chunks))
+    sizes = (
+        sum(read.values()),
+        len(log.schemas),
+        len(log.channels),
+        len(log.attachments),
+        len(log.metadata),
+        len(log.chunks),
+    )
     if stated != sizes or counts != read:
         raise where.error("counts of the statistics differ from the content", at)
 
 
-def again(stream: BinaryIO, file: str, log: RawLog, channel: RawChannel) -> Iterator[np.ndarray | tuple[int, bytes]]:
+def again(stream: BinaryIO, file: str, log: RawLog, channel: RawChannel) -> Iterator[Any]:
     """Read the messages of a channel again, chunk by chunk: blocks of records, or time and bytes of each message.
 
     Raises
@@ -190,7 +196,7 @@ def again(stream: BinaryIO, file: str, log: RawLog, channel: RawChannel) -> Iter
         yield from messages_again(plain, channel, log, Place(file, chunk.at))
 
 
-def columns_of(stream: BinaryIO | None, file: str, log: RawLog, channel: RawChannel, columns: range) -> np.ndarray:
+def columns_of(stream: BinaryIO, file: str, log: RawLog, channel: RawChannel, columns: range) -> np.ndarray:
     """Return some columns (N, k) of a channel of doubles, the time being column 0; read again where not kept."""
     found, row = np.empty((channel.count, len(columns))), 0
     kept = (block[:, columns.start : columns.stop] for block in channel.blocks)

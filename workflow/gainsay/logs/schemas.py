@@ -7,6 +7,7 @@ their names and field numbers are part of the wire format and are restated here.
 
 import re
 from functools import cache
+from typing import Any
 
 import numpy as np
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
@@ -91,8 +92,8 @@ def _file(name: str) -> descriptor_pb2.FileDescriptorProto:
             if "=" in word:
                 enum, members = word.split("=")
                 enums[enum] = into.enum_type.add(name=enum)
-                for number, member in enumerate(members.split(",")):
-                    enums[enum].value.add(name=member, number=number)
+                for value, member in enumerate(members.split(",")):
+                    enums[enum].value.add(name=member, number=value)
         for word in text.split():
             if "=" in word:
                 continue
@@ -119,7 +120,7 @@ def _pool() -> descriptor_pool.DescriptorPool:
 
 
 @cache
-def foxglove_class(message: str) -> type:
+def foxglove_class(message: str) -> Any:
     """Protobuf class of a well-known message, e.g. ``foxglove_class("SceneUpdate")``."""
     return message_factory.GetMessageClass(_pool().FindMessageTypeByName(_full_name(message)))
 

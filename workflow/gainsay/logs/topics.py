@@ -1,7 +1,5 @@
 """What the logs of a paper hold, topic by topic, as a page of Markdown that is made with them."""
 
-from collections.abc import Mapping
-
 from gainsay.logs.reader import Log
 
 _WHAT = {
@@ -21,7 +19,7 @@ class Topics:
 
     def __init__(self) -> None:
         self._runs: dict[str, str] = {}
-        self._found: dict[str, tuple[str, Mapping[str, str], list[str]]] = {}
+        self._found: dict[str, tuple[str, dict[str, str], list[str]]] = {}
 
     def add(self, run: str, log: Log) -> None:
         """Note what a log holds."""

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -92,13 +92,18 @@ class LogWriter(Elements):
         self._summaries: dict[str, tuple[float, str]] = {}
         self._extremes: dict[str, tuple[str, float, float, float]] = {}
         self._events: list[tuple[int, bytes]] = []
-        self._out: Container | None = None
+        self._container: Container | None = None
+
+    @property
+    def _out(self) -> Container:
+        assert self._container is not None, "asked for inside the block alone"
+        return self._container
 
     def __enter__(self) -> Self:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         self._stream = self._part.open("wb")
         try:
-            self._out = Container(self._stream, chunk_size=self._chunk_size)
+            self._container = Container(self._stream, chunk_size=self._chunk_size)
             self._out.metadata(PROVENANCE, self._provenance)
             for name, data in self._attachments.items():
                 self._out.attachment(name, _MEDIA.get(Path(name).suffix, "application/octet-stream"), data)
@@ -130,18 +135,18 @@ class LogWriter(Elements):
             self._discard()
             raise
         finally:
-            self._out = None
+            self._container = None
 
     def _discard(self) -> None:
-        if self._out is not None:
-            self._out.close()
-        self._out = None
+        if self._container is not None:
+            self._container.close()
+        self._container = None
         self._stream.close()
         self._part.unlink(missing_ok=True)
 
     def _channel(self, topic: str, kind: str, units: Mapping[str, str] | None, message: str | None = None) -> int:
         """Channel of a topic, registered at first use and checked against that use afterwards."""
-        if self._out is None:
+        if self._container is None:
             raise InputError("log is not open for writing", file=self.path.name)
         known = self._topics.get(topic)
         units = dict(units or {})
@@ -183,7 +188,7 @@ class LogWriter(Elements):
             self._end = max(self._end, float(array[-1]))
         return array
 
-    def _numbers(self, topic: str, units: Mapping[str, str], kind: str, time: object, values: object) -> None:
+    def _numbers(self, topic: str, units: Mapping[str, str], kind: str, time: Any, values: object) -> None:
         channel = self._channel(topic, kind, units)
         data = np.asarray(values, dtype=float)
         if data.ndim != 2 or data.shape != (np.shape(time)[0] if np.ndim(time) else -1, len(units)):
@@ -203,7 +208,7 @@ class LogWriter(Elements):
             self._out.records(channel, block)
 
     def signal(
-        self, topic: str, fields: Mapping[str, str], time: object, values: object, *, shown: str | None = None
+        self, topic: str, fields: Mapping[str, str], time: Any, values: object, *, shown: str | None = None
     ) -> None:
         """Log a block of samples; consecutive blocks of one topic may follow each other.
 
@@ -224,7 +229,8 @@ class LogWriter(Elements):
         self._numbers(topic, fields, "signal", time, values)
         if shown is not None:
             units = set(fields.values())
-            if len(units) != 1 or (factor := SHOWN.get((*units, shown))) is None:
+            factor = SHOWN.get((min(units), shown)) if len(units) == 1 else None
+            if factor is None:
                 raise InputError(f"unit of {topic} for plots", value=shown, expected=f"one made of {sorted(units)}")
             data = factor * np.asarray(values, dtype=float)
             self._numbers(shown_topic(topic, shown), dict.fromkeys(fields, shown), "shown", time, data)
@@ -348,7 +354,7 @@ class LogWriter(Elements):
                 channel, transform_block(parent, child, nanoseconds(clock[some]), shift[some], turn[some])
             )
 
-    def _scene(self, name: str, time: float, entity: object) -> None:
+    def _scene(self, name: str, time: float, entity: Any) -> None:
         """Write one entity as a ``foxglove.SceneUpdate`` on ``/scene/<name>``."""
         schemas.check_name(name, "scene element")
         channel = self._channel(f"/scene/{name}", "scene", None, "SceneUpdate")

@@ -127,7 +127,12 @@ def read_certificate(case: Case, row: Mapping[str, str]) -> CertificateFile:
     """Return a certificate of the table of certificates; a damaged one stands with the checker's reason alone."""
     name_of = f"certificates/{row['certificate']}.json"
     file = name_of if (case.results / name_of).is_file() else ""
-    known = {"id": row["certificate"], "accepted": row["accepted"] == "1", "says": row["says"], "file": file}
+    known: dict[str, Any] = {
+        "id": row["certificate"],
+        "accepted": row["accepted"] == "1",
+        "says": row["says"],
+        "file": file,
+    }
     if not file:
         return CertificateFile(**known)
     try:

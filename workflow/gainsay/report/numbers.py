@@ -37,8 +37,7 @@ def shorten(text: str, digits: int = DIGITS, towards: str = "", power: int | Non
     if not rounded:
         return "0"
     exponent = rounded.adjusted()
-    alike = power is not None and abs(exponent - power) <= _NEAR
-    if alike:
+    if power is not None and abs(exponent - power) <= _NEAR:
         exponent = power
     elif -5 < exponent < max(digits, DIGITS):
         plain = format(rounded, "f")

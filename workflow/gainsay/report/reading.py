@@ -5,6 +5,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from gainsay.errors import InputError
 from gainsay.report.certificates import CertificateFile, read_certificate
@@ -93,7 +94,7 @@ def _table(found: PaperResults, name: str, lost: str, columns: Sequence[str] = (
         found.missing.append(f"{name}.csv is missing: {lost}")
         return []
     try:
-        return read_returned(path, found.case.root, columns)
+        return [*read_returned(path, found.case.root, columns)]
     except InputError as error:
         found.missing.append(f"{name}.csv is damaged, {lost}: {error}")
         return []
@@ -104,9 +105,7 @@ def _size(path: Path) -> tuple[int, int]:
     with path.open(encoding="utf-8", errors="replace") as file:
         head = file.read(4000)
     match, reverse = _SIZE.search(head), _SIZE_REVERSED.search(head)
-    if match is None and reverse is None:
-        return 0, 0
-    width, height = match.groups() if match else reverse.groups()[::-1]
+    width, height = match.groups() if match else reverse.groups()[::-1] if reverse else ("0", "0")
     return round(float(width) * 4 / 3), round(float(height) * 4 / 3)
 
 
@@ -120,13 +119,13 @@ def _pictures(found: PaperResults, figure_runs: Mapping[str, Sequence[str]] | No
             FigureFile(name, caption, drawn_from, file, found.existing(f"figures/{name}.png"), width, height)
         )
     for name, about in paper.runs.items():
-        files = [found.existing(f"logs/{name}.{ending}") for ending in ("mcap", "rrd", "foxglove.json")]
+        log, view, layout = (found.existing(f"logs/{name}.{ending}") for ending in ("mcap", "rrd", "foxglove.json"))
         shown_in = tuple(figure.name for figure in found.figures if name in (figure.runs or ()))
-        found.runs.append(RunFiles(name, about, *files, shown_in))
+        found.runs.append(RunFiles(name, about, log, view, layout, shown_in))
 
 
 def _scans(found: PaperResults) -> None:
-    scans = {}
+    scans: dict[str, dict[str, Any]] = {}
     for path in sorted((found.case.results / "scans").glob("*.json")):
         try:
             scans |= read_scans([path], found.case.root)

@@ -114,7 +114,9 @@ def sources(root: Path, step: str, paper: str | None = None) -> list[str]:
     A module of the paper that cannot be parsed stands for itself: the step that runs it says what is wrong.
     """
     found: set[Path] = set(closure(root, [f"gainsay.steps.{step}"]))
-    for module in PAPER_MODULES[step] if paper else ():
+    if paper is None:
+        return sorted(shown(path, root) for path in found)
+    for module in PAPER_MODULES[step]:
         name = f"papers.{paper}.{module}"
         try:
             found |= set(closure(root, [name]))
@@ -132,8 +134,8 @@ def table_digest(root: Path, paper: str) -> str:
     for table, columns in COLUMNS.items():
         path = root / "papers" / paper / table
         try:
-            table = csv.DictReader(io.StringIO(read_text(path), newline=""))
-            rows = [[row.get(column) for column in columns] for row in table]
+            lines = csv.DictReader(io.StringIO(read_text(path), newline=""))
+            rows = [[row.get(column) for column in columns] for row in lines]
         except (InputError, csv.Error):
             rows = [[str(path)]]  # whatever is wrong with it, the steps refuse it
         digest.update(repr(rows).encode())

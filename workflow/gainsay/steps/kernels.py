@@ -94,7 +94,10 @@ def processor_flags() -> frozenset[str]:
 
 def _environment(machine: Machine, flags: frozenset[str]) -> dict[str, str]:
     """Return the environment of the steps, without features that this NumPy or processor does not know."""
-    from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__  # its only list of names
+    from numpy._core._multiarray_umath import (  # type: ignore[import-not-found]  # its only list of names
+        __cpu_dispatch__,
+        __cpu_features__,
+    )
 
     kept = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
     wanted = dict(machine.variables)

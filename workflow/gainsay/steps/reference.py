@@ -101,7 +101,7 @@ def _formulas() -> str:
 
 def _conclusions(module: ModuleType) -> list[str]:
     """Return what a kind of proof may conclude, read from its calls of `Proved`."""
-    found = {}
+    found: dict[str, None] = {}
     for node in ast.walk(ast.parse(inspect.getsource(module))):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Proved":
             of, relation, *value = (ast.unparse(part) for part in node.args)
@@ -144,7 +144,8 @@ def _signature(value: Callable) -> str:
             shown.append("*")
             star = True
         star = star or parameter.kind is parameter.VAR_POSITIONAL
-        prefix = {parameter.VAR_POSITIONAL: "*", parameter.VAR_KEYWORD: "**"}.get(parameter.kind, "")
+        prefix = "*" if parameter.kind is parameter.VAR_POSITIONAL else ""
+        prefix = "**" if parameter.kind is parameter.VAR_KEYWORD else prefix
         default = parameter.default
         plain = isinstance(default, str | int | float | tuple | None) and len(repr(default)) < 40
         given = "" if default is parameter.empty else f"={default!r}" if plain else "=..."

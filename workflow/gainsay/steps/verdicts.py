@@ -17,8 +17,8 @@ TABLES = (*PARTS, "certificates", "verdicts")
 def verdicts(case: Case) -> None:
     """Write the joined tables of a paper, its certificates with what the checker says, and its verdicts."""
     for part, columns in PARTS.items():
-        rows = [[row[column] for column in columns] for row in read_part(case, part)]
-        write_csv(case.results / f"{part}.csv", columns, rows)
+        cells = [[row[column] for column in columns] for row in read_part(case, part)]
+        write_csv(case.results / f"{part}.csv", columns, cells)
     rows, evidence = verdict_rows(case)
     write_csv(case.results / "certificates.csv", CERTIFICATE_COLUMNS, [
         *((name, True, sentence) for name, sentence in evidence.certificates.items()),

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 from gainsay.exact.digits import PrintedNumber
 from gainsay.results.returned import FROM_DIGITS
@@ -186,7 +187,7 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
             return Judgement("failed", note=f"a {claim.kind} needs {_BOUNDED[claim.kind]}, and none was computed")
         low, high = _narrowed(low, high, found)
     value = found.value if found is not None else None
-    shared = {
+    shared: dict[str, Any] = {
         "recomputed": _in_unit(claim, value),
         "evidence": kind,
         "range_low": _in_unit(claim, low),
@@ -203,11 +204,11 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     if outcomes[0]:
         return Judgement("reproduced", **shared)
     bounds = f"{shared['range_low']!r}..{shared['range_high']!r}" if low != high else f"{shared['recomputed']!r}"
-    value = f"{claim.quantity} = {bounds} {claim.unit}".strip()
+    text = f"{claim.quantity} = {bounds} {claim.unit}".strip()
     if outcomes[-1] is False:
-        return Judgement("contradicted", witness=value, **shared)
+        return Judgement("contradicted", witness=text, **shared)
     if outcomes[0] is False and outcomes[-1]:
-        witness = f"depends on the threshold, {claim.published} {claim.unit}: turns at {value}"
+        witness = f"depends on the threshold, {claim.published} {claim.unit}: turns at {text}"
         return Judgement("undetermined", witness=witness, **shared)
     if claim.kind in _DIGITS and found is not None and found.method.startswith(FROM_DIGITS) and outcomes[-1] is None:
         note = "within the rounding of the digits that the paper prints, of its inputs and of this value"

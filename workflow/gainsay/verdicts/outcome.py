@@ -169,14 +169,14 @@ def read_scans(paths: Iterable[Path], root: Path) -> dict[str, dict[str, Any]]:
 
 def _read_scan(path: Path, root: Path) -> dict[str, Any]:
     """Read a scan and see that its points are points of its inputs."""
-    content = read_json(path, root)
+    content: Any = read_json(path, root)
     try:
         scan = ScanFile.model_validate(content)
         inputs = [Plausible.from_json(entry) for entry in content["inputs"]]
         for found in (scan, *scan.crossings):
             for _, row in zip(found.values, found.points, strict=True):
-                for entry, value in zip(inputs, row, strict=True):
-                    entry.fraction(value)  # raises where the input cannot have the value
+                for entry, at in zip(inputs, row, strict=True):
+                    entry.fraction(at)  # raises where the input cannot have the value
         for crossing in scan.crossings:
             if len(crossing.values) != 2 or crossing.points[0] == crossing.points[1]:
                 raise ValueError("a crossing that joins no two points")
@@ -217,7 +217,10 @@ def outcome(claim: Claim, scan: Mapping[str, Any]) -> Outcome:
     found = [pair(value, row) for value, row in zip(scan["values"], scan["points"], strict=True)]
     by_value = sorted(found, key=lambda one: one[0])
     holding, at_best = (sum(one.holds(value) for value, _ in found) for one in (strict, lenient))
-    crossings = [tuple(map(pair, c["values"], c["points"])) for c in scan["crossings"]]
+    crossings = []
+    for crossing in scan["crossings"]:
+        first, second = map(pair, crossing["values"], crossing["points"])
+        crossings.append((first, second))
     turns = strict if holding or not at_best else lenient
     boundary, holds_at, fails_at = _boundary(inputs, turns, crossings, found)
     parts: dict[str, Any] = {"criterion": strict.phrase}

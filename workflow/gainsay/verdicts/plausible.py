@@ -58,9 +58,8 @@ class Plausible:
         """Return the value at a fraction 0..1 of the range, or of the list of values."""
         if self.values:
             return self.values[min(int(fraction * len(self.values)), len(self.values) - 1)]
-        if self.logarithmic:
-            return self.low * (self.high / self.low) ** fraction
-        return self.low + fraction * (self.high - self.low)
+        low, high = self.ends
+        return low * (high / low) ** fraction if self.logarithmic else low + fraction * (high - low)
 
     @property
     def ends(self) -> tuple[Any, Any]:
@@ -71,9 +70,10 @@ class Plausible:
         """Return the fraction of the range at which a value lies, the inverse of `at`."""
         if self.values:
             return self.values.index(value) / max(len(self.values) - 1, 1)
+        low, high = self.ends
         if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
+            return math.log(value / low) / math.log(high / low)
+        return (value - low) / (high - low)
 
     def to_json(self) -> dict[str, Any]:
         """Return what a result file says of the input."""

@@ -1,6 +1,6 @@
 """The values on record: `make record` writes them and nothing else does."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -149,7 +149,7 @@ def record_paper(case: Case) -> Iterator[str]:
     """
     found = {row["quantity"]: row for row in read_returned(case.results / "quantities.csv", case.root)}
     _refuse_unfinished(case, found)
-    tables = {
+    tables: dict[str, tuple[Sequence[str], list[tuple[Any, str]], Mapping[Any, object]]] = {
         "recorded": (columns(Recorded), list(_quantity_rows(case, found)), case.recorded),
         "recorded_scans": (columns(RecordedScan), list(_scan_rows(case)), case.recorded_scans),
         "recorded_reads": (columns(RecordedRead), list(_read_rows(case)), case.recorded_reads),
