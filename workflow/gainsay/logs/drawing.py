@@ -30,18 +30,25 @@ def draw(layout: Layout, log: Log, stream: rr.RecordingStream) -> None:
             continue
         messages = log.messages(topic)
         static = len(messages) == 1 and messages[0][0] == 0.0
+        solids: dict[str, bytes] = {}
         for time, message in messages:
             if not static:
                 stream.set_time(TIMELINE, duration=np.timedelta64(round(time * 1e9), "ns"))
             for entity in message.entities:
-                _entity(stream, topic, entity, static)
+                _entity(stream, topic, entity, static, solids)
     for panel in layout.panels():
         if isinstance(panel, Text):
             page = rr.TextDocument(panel.markdown, media_type=rr.MediaType.MARKDOWN)
             stream.log(text_path(panel.title), page, static=True)
 
 
-def _entity(stream: rr.RecordingStream, topic: str, entity: Any, static: bool) -> None:
+def _entity(stream: rr.RecordingStream, topic: str, entity: Any, static: bool, solids: dict[str, bytes]) -> None:
+    """Draw an entity; a solid that is as it was at the time before, in its own frame, stands as it is."""
+
+    def new(part: str, solid: Any) -> bool:
+        before, solids[part] = solids.get(part), solid.SerializeToString()
+        return before != solids[part]
+
     def put(part: str, drawing: rr.AsComponents) -> None:
         stream.log(f"{topic}/{part}", rr.CoordinateFrame(entity.frame_id), drawing, static=static)
 
@@ -52,10 +59,12 @@ def _entity(stream: rr.RecordingStream, topic: str, entity: Any, static: bool) -
     if entity.arrows or not (entity.lines or entity.cubes or entity.spheres or entity.triangles):
         put("arrows", _arrows(entity.arrows))
     for number, cube in enumerate(entity.cubes):
-        put(f"cube{number}", _cube(cube))
+        if new(f"cube{number}", cube):
+            put(f"cube{number}", _cube(cube))
     for number, mesh in enumerate(entity.triangles):
-        corners = np.array([[point.x, point.y, point.z] for point in mesh.points])
-        put(f"plate{number}", _mesh(corners, mesh.color))
+        if new(f"plate{number}", mesh):
+            corners = np.array([[point.x, point.y, point.z] for point in mesh.points])
+            put(f"plate{number}", _mesh(corners, mesh.color))
     if entity.spheres:
         balls = rr.Points3D(
             [_triple(ball.pose.position) for ball in entity.spheres],
