@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from gainsay.figures import FigureSpec, bound, curve, curves, finish, panels
+from gainsay.figures import FigureSpec, bound, curve, curves, ended, finish, panels
 from gainsay.logs import Log
 from gainsay.logs.palette import role
 from gainsay.results.returned import read_part
@@ -18,6 +18,8 @@ from papers.li2021 import plant
 ANGLES = ("roll", "pitch", "yaw")
 MODES = tuple(f"eta_{i}" for i in (1, 2, 3, 4))
 MODE_LABELS = tuple(rf"$\eta_{i}$" for i in (1, 2, 3, 4))
+#: what is shown of a run under random gains, s
+_RANDOM = 150.0
 READINGS = (("constant", "once"), ("slow", "every second"), ("fast", "every 0.1 s"))
 
 
@@ -62,7 +64,7 @@ def torque(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     signal = logs["proposed"]["/wheels/torque_size"]
     shown = signal.time <= 60.0
     curve(grid[1], signal.time[shown], signal.column("size")[shown], "magnitude", "norm")
-    bound(grid[1], case.number("u_max"), "u_max", both=False)
+    bound(grid[1], case.number("u_max"), f"$u_{{max}}$ = {case.number('u_max'):g} N m", both=False)
     grid[1].set_ylim(bottom=0)
     finish(figure, grid)
 
@@ -83,7 +85,12 @@ def random_gains(name: str):
         titles = [f"gains redrawn: {text}" for _, text in READINGS]
         grid = panels(figure, ["Euler angles [deg]"] * 3, titles=titles)
         for panel, (reading, _) in zip(grid, READINGS, strict=True):
-            curves(panel, logs[f"{name}_{reading}"], "/attitude/angles_deg", ANGLES, until=150.0)
+            log = logs[f"{name}_{reading}"]
+            curves(panel, log, "/attitude/angles_deg", ANGLES, until=_RANDOM)
+            if log.duration < _RANDOM:
+                ended(
+                    panel, log.duration, f"diverges: an angle passes 10 rad at {log.duration:.3g} s, where the run ends"
+                )
         finish(figure, grid)
 
     return draw
@@ -123,7 +130,7 @@ def tradeoff(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         loop = plant.closed_loop(nominal, gains)
         radius = np.abs(np.linalg.eigvals(loop) + case.number("disk_centre")).max()
         certified.append((hinf_norm(loop, B, C)[0], radius, values[f"certified.{name}.delta_m"], label, look, marker))
-    axes = panels(figure, ["largest gain variation delta_m [1]"] * 2, columns=2, share_time=False)
+    axes = panels(figure, [r"largest gain variation $\delta_m$ [1]"] * 2, columns=2, share_time=False)
     for column in range(2):
         panel = axes[column]
         body = role("body").on_light
@@ -135,7 +142,7 @@ def tradeoff(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         panel.margins(x=0.05)
     finish(figure, axes)
     for panel, title in zip(
-        axes, ("norm from d~ to y [rad/(N m)]", "largest |s + 1.01| over the poles [1/s]"), strict=True
+        axes, (r"norm from $\tilde d$ to $y$ [rad/(N m)]", r"largest $|s + 1.01|$ over the poles [1/s]"), strict=True
     ):
         panel.set_xlabel(title)
 

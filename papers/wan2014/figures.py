@@ -9,26 +9,27 @@ from gainsay.logs import Log
 from gainsay.tables import Case
 
 VELOCITIES = ("vx", "vy", "vz")
+VELOCITY_LABELS = ("$v_x$", "$v_y$", "$v_z$")
 _TRANSIENT, _APPROACH = 20.0, 3000.0
 
 
 def estimation_error(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 2: velocity components of the error vector."""
     grid = panels(figure, ["velocity error of the estimate [m/s]"])
-    curves(grid[0], logs["nominal"], "/observer/error", VELOCITIES, until=_TRANSIENT)
+    curves(grid[0], logs["nominal"], "/observer/error", VELOCITIES, labels=VELOCITY_LABELS, until=_TRANSIENT)
     finish(figure, grid)
 
 
 def velocities(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 3: relative velocities."""
     grid = panels(figure, ["relative velocity [m/s]"])
-    curves(grid[0], logs["nominal"], "/chaser/state", VELOCITIES, until=_APPROACH)
+    curves(grid[0], logs["nominal"], "/chaser/state", VELOCITIES, labels=VELOCITY_LABELS, until=_APPROACH)
     finish(figure, grid)
 
 
 def thrusts(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 4: thrusts, the transient beside the whole approach, with the bounds of (5)."""
-    labels = [f"f{axis} [N]" for axis in "xyz" for _ in range(2)]
+    labels = [f"$f_{axis}$ [N]" for axis in "xyz" for _ in range(2)]
     titles = [f"first {_TRANSIENT:g} s", f"first {_APPROACH:g} s"]
     grid = panels(figure, labels, titles=titles, columns=2, share_time=False)
     signal = logs["nominal"]["/chaser/thrust"]
@@ -59,7 +60,7 @@ def trajectory(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
 def starts(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw thrust along y under three starts of the estimate that the text allows, whole and near the bounds."""
     titles = ["all of it", "near the bounds"]
-    grid = panels(figure, ["fy [N]"] * 2, titles=titles, columns=2, share_time=False)
+    grid = panels(figure, ["$f_y$ [N]"] * 2, titles=titles, columns=2, share_time=False)
     named = (("nominal", "estimate starts at the measured position", "nominal"),
              ("exact_start", "at the true state", "comparison"), ("blind_start", "at zero", "perturbed"))  # fmt: skip
     limit = case.number("thrust_max_y")

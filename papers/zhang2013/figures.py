@@ -12,8 +12,8 @@ from gainsay.tables import Case
 #: what is shown of the attitude, of the estimate, and at both ends of a run, s
 _SHOWN, _ESTIMATE, _WINDOW = 100.0, 50.0, 20.0
 READINGS = (
-    ("nominal", "Kx delayed, p(0) = 0", "nominal"),
-    ("input_delayed_matched", "input delayed, p(0) = -L x(0)", "perturbed"),
+    ("nominal", "$K x$ delayed, $p(0) = 0$", "nominal"),
+    ("input_delayed_matched", "input delayed, $p(0) = -L x(0)$", "perturbed"),
     ("no_observer", "no observer", "comparison"),
 )
 
@@ -23,7 +23,8 @@ def _draw(panel: Axes, logs: Mapping[str, Log], topic: str, field: str, shown: t
     for run, label, role in named:
         signal = logs[run][topic]
         inside = (signal.time >= shown[0]) & (signal.time <= shown[1])
-        curve(panel, signal.time[inside], signal.column(field)[inside], role, label)
+        dash = "dashed" if role == "perturbed" else ""  # it lies on the first reading for most of the run
+        curve(panel, signal.time[inside], signal.column(field)[inside], role, label, dash=dash)
 
 
 def angle(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
@@ -57,13 +58,13 @@ def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         ("resynthesised", "least squares", "comparison"),
     )
     _draw(grid[0], logs, "/spacecraft/attitude_mrad", "angle", (0.0, _SHOWN), named)
-    _draw(grid[1], logs, "/observer", "error", (0.0, _ESTIMATE), named)
+    _draw(grid[1], logs, "/observer", "error", (0.0, _ESTIMATE), named[::-1])  # the largest behind
     finish(figure, grid)
 
 
 def refused(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw the first and the last seconds of the design that the LMIs accept and the flexible plant refuses."""
-    named, end = (("fast", "least gamma", "perturbed"),), float(logs["fast"].duration)
+    named, end = (("fast", r"least $\gamma$", "nominal"),), float(logs["fast"].duration)
     labels = ["pitch angle [mrad]"] * 2 + [r"torque of the modes $w_2$ [N m]"] * 2
     titles = [f"first {_WINDOW:g} s", f"last {_WINDOW:g} s"]
     grid = panels(figure, labels, titles=titles, columns=2, share_time=False)

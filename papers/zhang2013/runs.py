@@ -207,7 +207,7 @@ LAYOUT = Layout("zhang2013", (
                 Line("/torque", "feedback", "K x", "axis_1"),
                 Line("/torque", "compensation", "-w2 estimate", "axis_2"),
             )),
-        ),
+            shares=(2, 1, 1)),
         shares=(1, 1))),
     Tab("First seconds", Rows(
         _one("Pitch angle, first seconds [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2", _FIRST),
@@ -219,7 +219,7 @@ LAYOUT = Layout("zhang2013", (
         )),
         _one("Estimation error [N m]", "/observer", "error", "w2 - w2 estimate", "axis_1", _ESTIMATE),
         Plot("Modal coordinates [kg^0.5 m]", _MODES, until=_ESTIMATE),
-    )),
+        shares=(5, 4, 3))),
     Tab("Whole run", Rows(
         _one("Pitch angle, whole run [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2"),
         _one("Estimation error, whole run [N m]", "/observer", "error", "w2 - w2 estimate", "axis_1"),

@@ -1,3 +1,4 @@
+import colorsys
 import json
 import math
 from dataclasses import replace
@@ -27,7 +28,7 @@ from gainsay.logs.demo import LAYOUT, write_demo
 from gainsay.logs.eye import eye_of
 from gainsay.logs.foxglove import foxglove_layout
 from gainsay.logs.layout import bound_lines, playback_speed
-from gainsay.logs.palette import ROLES, on_both, rgb, role
+from gainsay.logs.palette import ROLES, in_plots, on_both, rgb, role
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +139,9 @@ def test_foxglove_layout_has_every_panel_once_and_resolves(log):
     assert made.keys() == {"configById", "globalVariables", "userNodes", "playbackConfig", "layout"}
     panels = made["configById"]
     tabs = panels[made["layout"]]["tabs"]
-    assert [tab["title"] for tab in tabs] == ["demo spiral: Approach", "About"]
+    assert [tab["title"] for tab in tabs] == ["Approach", "About"]
+    first = panels[leaves(tabs[0]["layout"])[0]]
+    assert first["foxglovePanelTitle"].startswith("demo spiral: ")
     shown = [name for tab in tabs for name in leaves(tab["layout"])]
     assert sorted([*shown, made["layout"]]) == sorted(panels)
     kinds = {Plot: "Plot", Scene: "3D", EventLog: "RosOut"}
@@ -172,7 +175,8 @@ def test_the_camera_looks_from_where_the_eye_is(log):
     away = (-r * math.sin(phi) * math.sin(theta), -r * math.sin(phi) * math.cos(theta), r * math.cos(phi))
     eye = eye_of(scene, log)
     assert camera["targetOffset"] == pytest.approx(eye.target)
-    assert np.add(away, eye.target) == pytest.approx(eye.place)
+    farther = np.subtract(eye.place, eye.target) * 1.35  # a panel of 3 to 4 shows less of the width than of the height
+    assert away == pytest.approx(farther)
     assert np.array(away) / r == pytest.approx(np.array([3.0, -4.0, 1.2]) / math.sqrt(26.44))
 
 
@@ -239,6 +243,23 @@ def test_what_has_one_colour_stands_out_on_white_and_on_dark(name):
     found = luminance(on_both(name))
     assert 1.05 / (found + 0.05) >= 3.0
     assert (found + 0.05) / (luminance((20, 22, 26)) + 0.05) >= 3.0
+
+
+def darkened(colour):
+    """What tinycolor2, which the viewers use, makes of a colour that it is to darken by 30: its lightness less 0.3."""
+    hue, lightness, saturation = colorsys.rgb_to_hls(*(part / 255 for part in colour))
+    return tuple(255 * part for part in colorsys.hls_to_rgb(hue, max(0.0, lightness - 0.3), saturation))
+
+
+@pytest.mark.parametrize("name", list(ROLES))
+def test_a_curve_of_dots_keeps_its_colour_in_a_plot(name):
+    """On a light ground a dot is darkened: it stands out 3:1 and is no black; on a dark ground the tone itself does."""
+    on_light, on_dark = darkened(in_plots(name)), in_plots(name)
+    assert 1.05 / (luminance(on_light) + 0.05) >= 3.0
+    if name not in ("truth", "magnitude", "body"):  # those are grey
+        assert max(on_light) - min(on_light) >= 50.0
+        assert max(darkened(on_both("axis_1"))) < 50.0  # what figures draw is blackened
+    assert (luminance(on_dark) + 0.05) / (luminance((20, 22, 26)) + 0.05) >= 3.0
 
 
 @pytest.mark.parametrize("name", list(ROLES))

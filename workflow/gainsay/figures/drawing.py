@@ -66,10 +66,19 @@ def panels(
     return list(axes[: len(labels)])
 
 
-def curve(panel: Axes, x: np.ndarray, y: np.ndarray, role_name: str, label: str | None = None) -> None:
-    """Draw a curve in the colour and line style of its role."""
+def curve(
+    panel: Axes, x: np.ndarray, y: np.ndarray, role_name: str, label: str | None = None, *, dash: str = ""
+) -> None:
+    """Draw a curve in the colour and line style of its role; with another `dash` where it would cover one beneath."""
     style = role(role_name)
-    panel.plot(x, y, color=style.on_light, linestyle=DASHES[style.dash], linewidth=1.2 * style.width, label=label)
+    line = DASHES[dash or style.dash]
+    panel.plot(x, y, color=style.on_light, linestyle=line, linewidth=1.2 * style.width, label=label)
+
+
+def ended(panel: Axes, x: float, text: str) -> None:
+    """Say beside the last sample of a run that ends early why nothing follows it."""
+    panel.annotate(text, (x, 0.5), xytext=(6, 0), xycoords=("data", "axes fraction"), textcoords="offset points",
+                   ha="left", va="center", fontsize=7)  # fmt: skip
 
 
 def curves(

@@ -17,7 +17,7 @@ STYLE: dict[Any, Any] = {
     "axes.grid": True,
     "axes.xmargin": 0.0,
     "axes.ymargin": 0.06,
-    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.limits": (-3, 5),  # a run of three hours has ticks in seconds
     "axes.formatter.use_mathtext": True,
     "grid.alpha": 0.25,
     "grid.linewidth": 0.5,

@@ -20,8 +20,11 @@ from gainsay.logs.layout import (
     bound_lines,
     playback_speed,
 )
-from gainsay.logs.palette import on_both, role
+from gainsay.logs.palette import in_plots, on_both, role
 from gainsay.logs.reader import Log
+
+#: how much farther away the camera stands than in Rerun: its field of view is that of the height, and panels are narrow
+_NARROW = 1.35
 
 
 def foxglove_layout(layout: Layout, log: Log) -> str:
@@ -43,9 +46,12 @@ class _Builder:
         self.panels: dict[str, dict] = {}
 
     def build(self, layout: Layout) -> dict:
-        named = [f"{layout.name} {self.log.path.stem}: {layout.tabs[0].title}", *(tab.title for tab in layout.tabs[1:])]
-        trees = [(title, self.tree(tab.content)) for title, tab in zip(named, layout.tabs, strict=True)]
+        trees = [(tab.title, self.tree(tab.content)) for tab in layout.tabs]
         tabs = [{"title": title, "layout": tree} for title, tree in trees if tree is not None]
+        # Of a tab's title a viewer shows a dozen letters: paper and run stand above the first panel.
+        first = next(iter(self.panels.values()))
+        for key in {"title", "foxglovePanelTitle"} & first.keys():
+            first[key] = f"{layout.name} {self.log.path.stem}: {first[key]}"
         top = self.add("Tab", {"activeTabIdx": 0, "tabs": tabs})
         return {
             "configById": self.panels,
@@ -110,12 +116,14 @@ class _Builder:
 
     @staticmethod
     def path(line: Line) -> dict:
+        # A bound is two samples, a line without dots; the ground is the user's choice.
+        tone = on_both if line.topic.startswith("/bounds/") else in_plots
         return {
             "value": f"{line.topic}.{line.field}",
             "enabled": True,
             "timestampMethod": "receiveTime",
             "label": line.label,
-            "color": "#{:02x}{:02x}{:02x}".format(*on_both(line.role)),  # the ground is the user's choice
+            "color": "#{:02x}{:02x}{:02x}".format(*tone(line.role)),
             "lineSize": 1.2 * role(line.role).width,
             "showLine": True,
         }
@@ -139,11 +147,11 @@ class _Builder:
 def _camera(eye: Eye) -> dict:
     """Camera state for an eye, z up."""
     x, y, z = (place - target for place, target in zip(eye.place, eye.target, strict=True))
-    distance = hypot(x, y, z)
+    distance = hypot(x, y, z) * _NARROW
     return {
         "perspective": True,
         "distance": distance,
-        "phi": degrees(acos(z / distance)),
+        "phi": degrees(acos(_NARROW * z / distance)),
         "thetaOffset": degrees(atan2(-x, -y)),
         "targetOffset": list(eye.target),
         "target": [0, 0, 0],

@@ -4,6 +4,7 @@ The hues are the colour-blind safe set of Okabe and Ito (2008), ordered so that 
 deuteranopia, protanopia and in grey print. A role names what a curve *is*; nobody picks a colour by hand.
 """
 
+import colorsys
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -91,6 +92,20 @@ def on_both(name: str) -> tuple[int, int, int]:
     made = [min(1.0, factor * part) for part in (red, green, blue)]
     levels = [12.92 * part if part <= 0.0031308 else 1.055 * part ** (1 / 2.4) - 0.055 for part in made]
     return round(255 * levels[0]), round(255 * levels[1]), round(255 * levels[2])
+
+
+def in_plots(name: str) -> tuple[int, int, int]:
+    """Colour of a role's samples in the plots of Foxglove-compatible viewers.
+
+    They draw a dot at each sample, its lightness less by 0.3 on a light ground, and a curve of many samples is a row of
+    dots. So a role has a paler tone here: what is left of it on a light ground keeps its hue, where the colours of
+    figures would be near black.
+    """
+    red, green, blue = rgb(name, dark=False)
+    hue, lightness, saturation = colorsys.rgb_to_hls(red / 255, green / 255, blue / 255)
+    pale = 0.7 if name.endswith("estimate") else 0.57
+    made = colorsys.hls_to_rgb(hue, max(lightness, pale), min(saturation, 0.7))
+    return round(255 * made[0]), round(255 * made[1]), round(255 * made[2])
 
 
 def rgb(name: str, *, dark: bool = True) -> tuple[int, int, int]:
