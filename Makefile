@@ -4,13 +4,13 @@
 # make bench      measure speed, as ratios                     make gallery    render every log without a screen
 # make docs       write the generated documentation            make clean      remove results
 # make kernels    run as other machines would, check           make versions   run with older and newer libraries, check
-# make nightly    all that is too long for a change
+# make nightly    all that is too long for a change           make look       pages and logs of results, in their viewers
 
 PYTHON ?= python3
 BIN := .venv/bin
 RUN := PATH="$(CURDIR)/$(BIN):$$PATH" VIRTUAL_ENV="$(CURDIR)/.venv"
 
-.PHONY: environment all test test-slow lint lock record bench gallery docs clean kernels kernels-quick versions nightly
+.PHONY: environment all test test-slow look lint lock record bench gallery docs clean kernels kernels-quick versions nightly
 
 all: environment
 	@$(RUN) gainsay lint
@@ -26,6 +26,9 @@ test: environment
 
 test-slow: environment
 	@$(RUN) pytest -n 2 -m slow
+
+look: environment
+	@$(RUN) pytest -n 2 -m slow tests/end_to_end/test_page.py tests/end_to_end/test_foxglove.py
 
 lint: environment
 	@$(RUN) ruff check .

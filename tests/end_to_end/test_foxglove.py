@@ -1,8 +1,8 @@
 """Runs in a Foxglove-compatible viewer: the open-source studio of npm, in headless Chromium, with our layout.
 
-The viewer is no part of the environment. Where it is wanted: ``npm install --ignore-scripts react@17 react-dom@17
-@foxglove/studio-base@1.48.0`` in a folder of its own, and that folder's ``node_modules`` as GAINSAY_STUDIO; without it
-nothing is looked at. Pictures stay beside the test's temporary files.
+The viewer is no part of the environment. Where it is wanted: ``npm ci --ignore-scripts`` in ``tests/studio``, or its
+packages elsewhere and that ``node_modules`` as GAINSAY_STUDIO; without it nothing is looked at. Pictures stay beside
+the test's temporary files.
 """
 
 import base64
@@ -29,7 +29,8 @@ from gainsay.logs.reader import read_log
 
 pytestmark = pytest.mark.slow
 
-STUDIO = os.environ.get("GAINSAY_STUDIO", "")
+_HERE = Path(__file__).resolve().parents[1] / "studio" / "node_modules"
+STUDIO = os.environ.get("GAINSAY_STUDIO", str(_HERE) if _HERE.is_dir() else "")
 RESULTS = Path(__file__).resolve().parents[2] / "results"
 RUNS = ("wan2014/logs/blind_start", "zhang2013/logs/nominal", "li2021/logs/proposed", "pinheiro2013/logs/a_h2_release")
 PAGE = """<!doctype html><meta charset="utf-8"><style>html, body, #root { height: 100%; margin: 0; }</style>

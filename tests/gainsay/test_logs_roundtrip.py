@@ -93,6 +93,7 @@ def test_everything_a_log_holds(tmp_path):
         log.event(0.05, "early", "first")
         log.extreme("peak", 0.1 + 1e-13, 1 / 3, "N", second=0.3, limit=0.25)
         log.extreme("least", 0.2, -0.25, "N", second=-0.25, limit=0.25)
+        log.extreme("rounded", 0.2, -0.25 * (1 + 1e-12), "N", limit=0.25)
         log.summary("cost", 2 / 3, "1")
         log.transform("lvlh", "chaser", time, np.eye(3), [[0, 0, 0, 1]] * 3)
     log = read_log(path)
@@ -101,7 +102,10 @@ def test_everything_a_log_holds(tmp_path):
     assert log["/state"].units == UNITS
     assert log["/state"].frame()["y"].tolist() == [1.0] * 3
     assert log["/state"].frame().index.tolist() == time.tolist()
-    assert log.extremes == {"peak": (0.1 + 1e-13, 1 / 3, 0.3), "least": (0.2, -0.25, -0.25)}
+    assert log.extremes["rounded"][:2] == (0.2, -0.25 * (1 + 1e-12))
+    assert {name: log.extremes[name] for name in ("peak", "least")} == {
+        "peak": (0.1 + 1e-13, 1 / 3, 0.3), "least": (0.2, -0.25, -0.25)
+    }  # fmt: skip
     assert log.summaries == {"cost": 2 / 3}
     assert log.bounds == {"thrust": {"lower": -40.0, "upper": 40.0}}
     assert log["/bounds/thrust"].time.tolist() == [0.0, time[-1]]
@@ -109,6 +113,7 @@ def test_everything_a_log_holds(tmp_path):
         ("early", "first", "info"),
         ("peak", "extreme peak: 0.333333 N at 0.1 s, beyond the limit of 0.25 N", "warning"),
         ("least", "extreme least: -0.25 N at 0.2 s", "info"),  # the limit itself is kept
+        ("rounded", "extreme rounded: -0.25 N at 0.2 s", "info"),  # and passed by rounding alone
         ("late", "second", "warning"),
     ]
     assert log.frames == {"chaser": "lvlh"}

@@ -4,6 +4,7 @@ import io
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -311,6 +312,24 @@ def test_the_viewer_shows_every_view_of_the_demo(rrd, tmp_path):
     assert found.problems == []
     assert sorted(found.views) == sorted(panel.title for panel in LAYOUT.panels())
     assert [path.name for path in found.pictures] == ["demo.png", "demo_2.png"]
+
+
+@pytest.mark.slow
+def test_the_gallery_is_drawn_by_the_viewer_itself(rrd, tmp_path, capsys):
+    from PIL import Image
+
+    viewer(rrd, tmp_path / "looked.png")  # where there is no driver this says so
+    logs = tmp_path / "results/demo/logs"
+    logs.mkdir(parents=True)
+    for suffix in (".mcap", ".rrd"):
+        shutil.copy(rrd.with_suffix(suffix), logs)
+    assert commands.gallery(tmp_path) == 0
+    views = len(list(LAYOUT.panels()))
+    assert f"demo  spiral: {views} views, {len(LAYOUT.tabs)} pictures" in capsys.readouterr().out
+    named = re.findall('src="([^"]+)"', (tmp_path / "results/gallery.html").read_text())
+    assert len(named) == len(LAYOUT.tabs)
+    for name in named:
+        assert min(Image.open(tmp_path / "results" / name).size) > 500
 
 
 def rows_of(png, name):

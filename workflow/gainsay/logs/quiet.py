@@ -33,6 +33,8 @@ def quiet() -> Iterator[dict[str, str]]:
         }
         config.write_text(json.dumps(off))
         changed = {"XDG_CONFIG_HOME": folder, "XDG_DATA_HOME": folder, "RUST_LOG": "error"}
+        if "XDG_RUNTIME_DIR" not in os.environ:
+            changed["XDG_RUNTIME_DIR"] = folder  # a graphics driver complains where there is none
         before = {name: os.environ.get(name) for name in changed}
         os.environ.update(changed)
         try:

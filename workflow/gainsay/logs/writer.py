@@ -274,14 +274,15 @@ class LogWriter(Elements):
         second : float, optional
             The value by a second method.
         limit : float, optional
-            A limit of the modulus: where it is passed the event is a warning that says so.
+            A limit of the modulus: where it is passed, by more than rounding (1e-9 of it), the event is a warning that
+            says so.
         """
         schemas.check_name(name, "extreme")
         if name in self._extremes:
             raise InputError("extreme logged twice", value=name, expected="each once")
         self._extremes[name] = (unit, float(value), float(time), float(second))
         text = f"extreme {name}: {value:.6g} {unit} at {time:.6g} s"
-        passed = limit is not None and not abs(value) <= limit
+        passed = limit is not None and not abs(value) <= limit * (1.0 + 1e-9)
         self.event(
             time, name, f"{text}, beyond the limit of {limit:.6g} {unit}" if passed else text,
             level="warning" if passed else "info",

@@ -21,7 +21,7 @@ class Measure:
 
     Attributes
     ----------
-    meaning : str
+    meaning, unit : str
     better : str
         ``less`` or ``more``.
     printed : Markup
@@ -30,6 +30,7 @@ class Measure:
     """
 
     meaning: str
+    unit: str
     better: str
     printed: Markup
     others: tuple[tuple[Markup, str], ...]
@@ -66,8 +67,8 @@ def comparison(found: PaperResults) -> Comparison:
         better = case.paper.measures[printed].partition(" ")[0]
         own = rows.get(printed)
         others = tuple(_other(own, rows.get(quantities.get(name, "")), better) for name in measured)
-        shown = number(own["value"], own["unit"], digits=4) if own else Markup("")
-        measures.append(Measure(case.quantities[printed].meaning, better, shown, others))
+        shown = number(own["value"], digits=4) if own else Markup("")
+        measures.append(Measure(case.quantities[printed].meaning, case.quantities[printed].unit, better, shown, others))
     return Comparison(tuple(measured), tuple(measures))
 
 
@@ -75,7 +76,7 @@ def _other(own: Row | None, row: Row | None, better: str) -> tuple[Markup, str]:
     if row is None:
         return Markup(""), ""
     outcome = _outcome(better, float(own["value"]), float(row["value"])) if own else ""
-    return number(row["value"], row["unit"], digits=4), outcome
+    return number(row["value"], digits=4), outcome
 
 
 @dataclass(frozen=True)

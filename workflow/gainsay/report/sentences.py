@@ -6,6 +6,7 @@ from markupsafe import Markup, escape
 
 from gainsay.errors import GainsayError, InputError
 from gainsay.proof.typeset import name_tex, tex
+from gainsay.report.keyboard import typed
 from gainsay.tables.mathematics import mathml, parts, plain
 
 __all__ = ["LONGEST_FORMULA", "formula", "listed", "name", "plain_text", "said"]
@@ -15,7 +16,7 @@ LONGEST_FORMULA = 2_500
 
 
 def said(sentence: str) -> Markup:
-    r"""Return a sentence with its mathematics typeset.
+    r"""Return a sentence with its mathematics typeset, that between dollars and that written as on a keyboard.
 
     A sentence that cannot be typeset stands as it was written: `gainsay lint` refuses it, the page never fails.
 
@@ -25,7 +26,7 @@ def said(sentence: str) -> Markup:
     Markup('the weight <math><mi>R</mi></math> is &lt; 1')
     """
     try:
-        return Markup("").join(Markup(mathml(piece)) if is_tex else escape(piece) for piece, is_tex in parts(sentence))
+        return Markup("").join(Markup(mathml(piece)) if is_tex else typed(piece) for piece, is_tex in parts(sentence))
     except InputError:
         return escape(sentence)
 

@@ -1,0 +1,61 @@
+import re
+from html import unescape
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gainsay.report.keyboard import typed
+from gainsay.report.sentences import said
+from gainsay.tables.mathematics import mathml
+
+
+@pytest.mark.parametrize(
+    ("written", "tex"),
+    [
+        ("X^-1", "X^{-1}"), ("d_M", "d_{M}"), ("lambda1", r"\lambda_{1}"), ("eps", r"\varepsilon"), ("F'", "F'"),
+        ("gamma^2", r"\gamma^{2}"), ("P11-bar", r"\bar{P}_{11}"), ("w2hat", r"\hat{w}_{2}"), ("d~", r"\tilde{d}"),
+        ("u_max", r"u_{\mathrm{max}}"), ("Lambda_ii", r"\Lambda_{ii}"), ("eta''", r"\eta''"), ("J_i0", "J_{i0}"),
+        ("P22^-T", "P_{22}^{-T}"), ("printed('K')", r"K_{\text{printed}}"),
+        ("design('near_limit', 'K')", r"K_{\text{near limit}}"),
+    ],
+)  # fmt: skip
+def test_what_is_written_on_a_keyboard_is_typeset(written, tex):
+    assert typed(f"with {written}, so") == f"with {mathml(tex)}, so"
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    ["see eq13-eq15, w1-l2 and lambda1-sign-corrected", "the loop a_h2, pitch, A", "the paper's A's delta-v", "OCR: no",
+     "rows 1 and 2 of Table 1, Appendix B, reconstruction B", "at 40 N of thrust and 0.15 N m", "audit.h2.b at 1e4",
+     "A point bounds it, I think", "a 'B' in quotes"],
+)  # fmt: skip
+def test_words_names_and_units_are_left_as_they_are(sentence):
+    assert unescape(str(typed(sentence))) == sentence
+
+
+def test_units_relations_and_code():
+    assert typed("6.7 kg m^2 <= 3 m^3/s^2, see `robust`") == (
+        "6.7 kg m<sup>2</sup> ≤ 3 m<sup>3</sup>/s<sup>2</sup>, see <code>robust</code>"
+    )
+    assert typed("lambda1 = number('lambda1_corrected')").endswith("= <i>lambda1 corrected</i>")
+    assert typed("A - LC") == f"{mathml('A')} - {mathml('L C')}"
+    assert typed("W2 s^2") == f"{mathml('W_{2}')} {mathml('s^{2}')}"  # a symbol, no second
+
+
+def test_dollars_and_keyboard_stand_in_one_sentence():
+    assert said("H_2/H_∞ of $P$ <b>") == f"{mathml('H_{2}')}/{mathml(chr(72) + '_' + chr(92) + 'infty')} of " \
+        f"{mathml('P')} &lt;b&gt;"  # fmt: skip
+
+
+@given(st.text(alphabet=st.sampled_from("abdxAKNPI 0129_^-'~<>=&\"`()/.,gamma"), max_size=40))
+def test_no_text_becomes_a_tag_and_none_is_lost(text):
+    shown = str(typed(text))
+    tags = set(re.findall(r"</?([a-z]+)>", shown))
+    assert tags <= {"math", "mi", "mn", "mo", "mrow", "msub", "msup", "msubsup", "mover", "mtext", "code", "sup"}
+    bare = unescape(re.sub(r"<[^>]*>", "", shown))
+    kept = re.sub(r"[\s_^'′″~¯`{}<>=≤≥≠→\-−]", "", bare)
+    plain = text
+    for name, letter in {"gamma": "γ", "mu": "μ"}.items():
+        plain, kept = plain.replace(name, "*"), kept.replace(letter, "*").replace(name, "*")
+    assert sorted(kept) == sorted(re.sub(r"[\s_^'~`<>=\-]", "", plain))

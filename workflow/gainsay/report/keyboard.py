@@ -1,0 +1,114 @@
+r"""Mathematics as one writes it on a keyboard (``X^-1``, ``lambda1``, ``d_M <= 1``), typeset where it surely is some.
+
+Sentences of certificates and notes are read on a terminal too, so they hold no TeX. What is not recognised here stands
+as it was written: nothing is lost, and nothing but the look is changed.
+"""
+
+import re
+
+from markupsafe import Markup, escape
+
+from gainsay.errors import InputError
+from gainsay.tables.mathematics import mathml
+
+__all__ = ["typed"]
+
+_GREEK = (
+    "alpha|beta|gamma|delta|epsilon|eps|zeta|eta|theta|iota|kappa|lambda|mu|nu|xi|pi|rho|sigma|tau|phi|chi|psi|omega|"
+    "Gamma|Delta|Theta|Lambda|Xi|Pi|Sigma|Phi|Psi|Omega"
+)
+_TOKEN = re.compile(
+    rf"""
+    (?P<code>`[^`]+`)
+  | (?P<relation>(?<=\s)(?:<=|>=|!=|->)(?=\s))
+  | (?P<unit>(?:(?<=[\d.\s]\d\s)|(?<=[gmsd]\s)|(?<=[gmsd]/)|(?<=m\^\d/)|\bkg(?=\^))(?:m|s)?)
+    \^(?P<power>-?\d(?:\.\d)?)(?![\w.]\d)
+  | \b(?:(?P<table>printed|number)|design)\('(?P<first>\w+)'(?:,\ '(?P<second>\w+)')?\)
+  | (?<![\w."`\\])(?<!(?<![\d)])/)(?<!\w-)(?<!(?<!\w)')(?:  # no part of a name, a path or what stands in quotes
+        (?P<base>(?:{_GREEK})(?=[\d_^'~]|\b)|[A-Za-z](?=[\d_^'~]|\b)|(?<=[-+]\s)[A-Z]{{2}}\b)
+        (?P<index>\d{{1,3}}|_(?:max|min|ii|ij|i?\d{{1,3}}|[A-Za-z]|∞))?
+        (?P<over>-?(?:hat|bar)\b|~)?
+        (?P<prime>'{{1,2}}(?![a-z]))?
+        (?:\^(?P<exponent>-?(?:[\dA-Z]|[a-z]\b)))?
+    )(?!(?<!')\w|[`"]|-\w|\.\w|'[a-z])
+    """,
+    re.VERBOSE,
+)
+_RELATIONS = {"<=": "≤", ">=": "≥", "!=": "≠", "->": "→"}
+_NAMES = {"eps": "varepsilon", "epsilon": "varepsilon"}
+_OVER = {"hat": "hat", "bar": "bar", "~": "tilde"}
+_COMPARED = re.compile(r" (?:<=|>=|[<>=]) ")
+#: what stands before a capital that is a name and no symbol, or a unit and no force
+_NAMED = re.compile(r"(?:\d|reconstruction|Appendix|Section|Theorem|Lemma|Table|Figure|group|case|pitch,|yaw,) $")
+
+
+def _is_symbol(found: re.Match[str]) -> bool:
+    """Whether a name is a symbol and no word: one of several signs, a Greek letter, a capital, or compared."""
+    base = found["base"]
+    if len(base) > 1 or any(found[part] for part in ("index", "over", "prime", "exponent")):
+        return True
+    before, after = found.string[: found.start()], found.string[found.end() :]
+    if _COMPARED.match(after):
+        return base != "I"
+    if base == "A" and re.match(" [-+] [A-Z]", after):
+        return True
+    capital = base.isupper() and base not in "AI"
+    return capital and not _NAMED.search(before) and not (base == "N" and after.startswith((" m", " s")))
+
+
+def _tex(found: re.Match[str]) -> str:
+    base = found["base"]
+    symbol = base if len(base) == 1 else " ".join(base) if base.isupper() else f"\\{_NAMES.get(base, base)}"
+    if found["over"]:
+        symbol = rf"\{_OVER[found['over'].lstrip('-')]}{{{symbol}}}"
+    index = (found["index"] or "").lstrip("_")
+    if index:
+        symbol += (
+            r"_\infty" if index == "∞" else rf"_{{\mathrm{{{index}}}}}" if index in ("max", "min") else f"_{{{index}}}"
+        )
+    if found["prime"]:
+        symbol = f"{{{symbol}}}{found['prime']}" if index else symbol + found["prime"]
+    return f"{symbol}^{{{found['exponent']}}}" if found["exponent"] else symbol
+
+
+def _shown(found: re.Match[str]) -> Markup:
+    if found["code"]:
+        return Markup("<code>{}</code>").format(found["code"][1:-1])
+    if found["relation"]:
+        return Markup(_RELATIONS[found["relation"]])
+    if found["first"]:
+        return _entry(found)
+    if found["unit"]:
+        power = found["power"].replace("-", "\N{MINUS SIGN}")
+        return Markup("{}<sup>{}</sup>").format(found["unit"], power)
+    return _mathematics(_tex(found), found[0]) if _is_symbol(found) else escape(found[0])
+
+
+def _entry(found: re.Match[str]) -> Markup:
+    """Say which entry of a table or of a design is meant: ``printed('K')`` is K with the index printed."""
+    if found["table"] == "number":
+        return Markup("<i>{}</i>").format(found["first"].replace("_", " "))
+    of, symbol = ("printed", found["first"]) if found["table"] else (found["first"], found["second"] or "")
+    return _mathematics(rf"{symbol}_{{\text{{{of.replace('_', ' ')}}}}}", found[0])
+
+
+def _mathematics(tex: str, written: str) -> Markup:
+    try:
+        return Markup(mathml(tex))
+    except InputError:
+        return escape(written)
+
+
+def typed(text: str) -> Markup:
+    """Return a piece of a sentence that holds no TeX with what is mathematics in it typeset.
+
+    Examples
+    --------
+    >>> typed("a <b> of d_M <= 1 s for reconstruction B")
+    Markup('a &lt;b&gt; of <math><msub><mi>d</mi><mi>M</mi></msub></math> ≤ 1 s for reconstruction B')
+    """
+    pieces, last = [], 0
+    for found in _TOKEN.finditer(text):
+        pieces += [escape(text[last : found.start()]), _shown(found)]
+        last = found.end()
+    return Markup("").join([*pieces, escape(text[last:])])
