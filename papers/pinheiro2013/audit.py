@@ -7,7 +7,7 @@ from gainsay.proof import build
 from gainsay.results import task
 from gainsay.statements import Stated, read_constraint, symmetric
 from gainsay.systems.statespace import spectral_abscissa
-from papers.pinheiro2013 import statements
+from papers.pinheiro2013 import proofs, statements
 from papers.pinheiro2013.plant import RECONSTRUCTIONS, linear_model, reconstruction
 from papers.pinheiro2013.scans import SCANS
 from papers.pinheiro2013.synthesis import LEVELS, SEPARATE
@@ -194,4 +194,4 @@ def _certify_vertices(case, results, name, level, design, group, worst) -> None:
     ))  # fmt: skip
 
 
-TASKS = (kinematics, transformations, robustness, *SCANS)
+TASKS = (kinematics, transformations, robustness, *proofs.TASKS, *SCANS)

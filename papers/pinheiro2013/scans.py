@@ -2,10 +2,10 @@
 
 Scans that need designs share their samples of moments of inertia, orbital rate, weights and reading of w; the unit of
 the rates, or the harmonics, axes and duration of (25), come beside them where they matter. At each, (21) is
-solved for pitch and for roll and yaw at gamma = 0.2, or at 1.001 of the infimum where 0.2 lies below it (the paper
-calls this level pure H-infinity and gamma_min), at 2 and at 100: for all points together, by the first-order condition,
-which one gain alone meets (see `gains`). Responses to (24) are judged over all t >= 0, whatever the lost time axes
-showed of them.
+solved for pitch and for roll and yaw at gamma = 0.2, 2 and 100: for all points together, by the first-order condition,
+which one gain alone meets (see `gains`). Points are those at which what the paper prints of the three levels can hold
+(see `as_printed`); whether each of these prints holds is scanned without it. Responses to (24) are judged over all
+t >= 0, whatever the lost time axes showed of them.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -16,6 +16,7 @@ from itertools import product
 import numpy as np
 
 from gainsay.errors import ComputationError
+from gainsay.exact.digits import PrintedNumber
 from gainsay.results import task
 from gainsay.systems.norms import h2_norm
 from gainsay.verdicts.scan import Plausible, plausible, scan
@@ -34,27 +35,38 @@ RELEASE = (*DESIGN, "rate_unit")
 TORQUES = (*DESIGN, "harmonics", "disturbance_axes", "disturbance_horizon")
 LEVEL = (*DESIGN[:4], "norm_inputs")
 MOMENTUM = (*DESIGN[:3], "rate_unit")
+#: prints of the levels that a point must bear out: 0.2 is gamma_min; 100 gives pure H2 control and 2 does not
+BOTH_ENDS = ("gamma_min", "gamma_max")
 _LOGARITHMIC = ("orbital_rate", "angle_weight", "rate_weight")
 
 
-def inputs(case, names: tuple[str, ...]) -> tuple[Plausible, ...]:
-    """Inputs that the paper leaves out, with the ranges of the table; the moments share those of reconstruction B."""
+def inputs(case, names: tuple[str, ...], printed: tuple[str, ...] = ()) -> tuple[Plausible, ...]:
+    """Inputs that the paper leaves out, with the ranges of the table.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    names : tuple of str
+    printed : tuple of str
+        See `as_printed`: where it is empty, the moments are those of any microsatellite, the range of reconstruction B;
+        else those that bear out the printed levels, the range of reconstruction A.
+    """
     found = []
     for name in names:
-        entry = f"inertia_b_{name[-1]}" if name.startswith("inertia") else name
+        entry = f"inertia_{'a' if printed else 'b'}_{name[-1]}" if name.startswith("inertia") else name
         found.append(replace(plausible(case, entry, logarithmic=name in _LOGARITHMIC), name=name, parameter=entry))
     return tuple(found)
 
 
 def base(case, name: str) -> float | str:
-    """Value of an input at reconstruction B."""
+    """Value of an input at reconstruction A, at which the printed levels can hold."""
     if name in ("disturbance_axes", "rate_unit", "norm_inputs"):
         return case.choice(name)
-    return case.number(f"inertia_b_{name[-1]}" if name.startswith("inertia") else name)
+    return case.number(f"inertia_a_{name[-1]}" if name.startswith("inertia") else name)
 
 
 class Filled(dict):
-    """A point whose missing inputs are read from reconstruction B when they are asked for.
+    """A point whose missing inputs are read from reconstruction A when they are asked for.
 
     Parameters
     ----------
@@ -77,6 +89,37 @@ def rigid(case) -> Callable[[Mapping], bool]:
     def test(point: Mapping) -> bool:
         moments = (1 + changes) * [point[f"inertia_{axis}"] for axis in "xyz"]
         return bool(np.all(2 * moments.max(axis=1) <= moments.sum(axis=1)))
+
+    return test
+
+
+def as_printed(case, printed: tuple[str, ...]) -> Callable[[Mapping], bool]:
+    """Return the test whether a rigid body can have the moments, and whether the levels can be what the paper prints.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    printed : tuple of str
+        ``gamma_min``: the infimum of the level over all axes rounds to the printed 0.2, and 0.2 lies above it, by as
+        much as a design near the infimum is taken above it. ``gamma_max``: the loop of the H2 limit meets the printed
+        100, so that this level gives pure H2 control, and does not meet the printed 2 on either group of axes, so that
+        this one gives another.
+    """
+    possible = rigid(case)
+    least = float(PrintedNumber(case.parameters["gamma_min"].value).low)
+    level, between, most = (case.number(name) for name in ("gamma_min", "gamma_mixed", "gamma_max"))
+
+    @cache
+    def of_designs(*values: float | str) -> bool:
+        designs = Designs(case, dict(zip(DESIGN, values, strict=True)))
+        if "gamma_min" in printed and not least <= designs.gamma_min() <= level / mixed.ABOVE:
+            return False
+        return "gamma_max" not in printed or (
+            all(designs.h2_limit_meets(most)) and not any(designs.h2_limit_meets(between))
+        )
+
+    def test(point: Mapping) -> bool:
+        return possible(point) and (not printed or of_designs(*(point[name] for name in DESIGN)))
 
     return test
 
@@ -127,7 +170,7 @@ class Designs:
     ----------
     case : gainsay.tables.Case
     point : mapping
-        Values of inputs; what is missing is taken from reconstruction B.
+        Values of inputs; what is missing is taken from reconstruction A.
     """
 
     def __init__(self, case, point: Mapping) -> None:
@@ -148,9 +191,18 @@ class Designs:
         return {group: read_inputs(generalized_plant(self.satellite, group), reading) for group in SEPARATE}
 
     def gamma(self, level: str, group: str) -> float:
-        """Level at which a design is made."""
+        """Level at which a design is made, as printed.
+
+        Raises
+        ------
+        ComputationError
+            If no state feedback reaches it.
+        """
         printed = {"hinf": "gamma_min", "mixed": "gamma_mixed", "h2": "gamma_max"}[level]
-        return max(self.case.number(printed), mixed.ABOVE * mixed.gamma_min(self.plants[group]))
+        gamma, least = self.case.number(printed), mixed.gamma_min(self.plants[group])
+        if not gamma > least:
+            raise ComputationError("(21)", f"no state feedback of {group} reaches {gamma!r}, the infimum is {least!r}")
+        return gamma
 
     @cached_property
     def gains(self) -> dict[tuple[str, str], np.ndarray]:
@@ -208,6 +260,11 @@ class Designs:
         """Infimum of the level over all axes, for the input w as read."""
         return max(mixed.gamma_min(plant) for plant in self.plants.values())
 
+    def h2_limit_meets(self, gamma: float) -> list[bool]:
+        """Say of each group of axes whether the gain of the H2 limit meets a level, by its Riccati equation."""
+        gains_of_limit = ((plant, mixed.h2_gain(plant)[0]) for plant in self.plants.values())
+        return [bool(np.isfinite(mixed.trace_of_gain(plant, K, gamma))) for plant, K in gains_of_limit]
+
     def h2_excess(self) -> float:
         """Excess of the H2 norm at gamma = 100 over its optimum, the larger of the two groups."""
         found = []
@@ -218,6 +275,29 @@ class Designs:
                 norms.append(h2_norm(A, B, C2))
             found.append(norms[0] / norms[1] - 1)
         return max(found)
+
+    def stable_range(self, level: str) -> float:
+        """Largest share, in hundredths below 1, by which all moments may change with every loop stable at its corners.
+
+        The moments change independently of each other, as in (11), by up to this share of each.
+        """
+        signs = np.array(list(product((-1, 1), repeat=3)))
+
+        plants = {group: generalized_plant(self.satellite, group) for group in SEPARATE}
+
+        def stable(hundredths: int) -> bool:
+            # Closed by the uncertainty of (11), whose corners no rigid body need have.
+            delta = 0.01 * hundredths / self.satellite.change * signs
+            loops = ((plants[g].uncertain(d), K) for (of, g), K in self.gains.items() if of == level for d in delta)
+            return max(float(np.linalg.eigvals(A - B @ K).real.max()) for (A, B), K in loops) < 0
+
+        if stable(99):
+            return 0.99
+        low, high = 0, 99
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (middle, high) if stable(middle) else (low, middle)
+        return 0.01 * low
 
     def worst_abscissa(self) -> float:
         """Largest real part of the poles of all designs at the corners of the uncertainty (11), 1/s."""
@@ -235,7 +315,7 @@ class Study:
     ----------
     case : gainsay.tables.Case
     point : mapping
-        Values of inputs; what is missing is taken from reconstruction B.
+        Values of inputs; what is missing is taken from reconstruction A.
     designs : Designs, optional
         Where they are known from a study of the same design inputs.
     """
@@ -325,11 +405,14 @@ class Question:
         Study -> float.
     inputs : tuple of str
         The inputs that matter.
+    printed : tuple of str
+        What the paper prints of the levels that a point must bear out, see `as_printed`.
     """
 
     quantity: str
     value: Callable[[Study], float]
     inputs: tuple[str, ...] = DESIGN
+    printed: tuple[str, ...] = BOTH_ENDS
 
 
 def _ratio(of: str, smaller: str, larger: str) -> Callable[[Study], float]:
@@ -357,9 +440,10 @@ def _difference_against(level: str) -> Callable[[Study], float]:
 
 
 QUESTIONS = (
-    Question("scan.gamma_min", lambda s: s.designs.gamma_min(), LEVEL),
-    Question("scan.h2_excess", lambda s: s.designs.h2_excess()),
+    Question("scan.gamma_min", lambda s: s.designs.gamma_min(), LEVEL, ()),
+    Question("scan.h2_excess", lambda s: s.designs.h2_excess(), printed=BOTH_ENDS[:1]),
     Question("scan.worst_abscissa", lambda s: s.designs.worst_abscissa()),
+    Question("scan.range_ratio", lambda s: s.designs.stable_range("hinf") / s.designs.stable_range("mixed")),
     Question("scan.relative_difference", _difference_against("hinf")),
     Question("scan.drawn_difference", _difference_against("h2")),
     Question("scan.difference_ratio", _ratio("difference", "hinf", "h2")),
@@ -368,7 +452,7 @@ QUESTIONS = (
     Question("scan.mixed_settling_ratio", _ratio("settling", "mixed", "h2")),
     Question("scan.mixed_torque", lambda s: float(np.max(s.peak_torque("mixed"))), RELEASE),
     Question("scan.hinf_torque", lambda s: float(np.max(s.peak_torque("hinf"))), RELEASE),
-    Question("scan.momentum", Study.peak_momentum, MOMENTUM),
+    Question("scan.momentum", Study.peak_momentum, MOMENTUM, ()),
     Question("scan.peak_angle", lambda s: float(max(np.max(s.peak_angle(level)) for level in LEVELS)), RELEASE),
     Question("scan.disturbed_ratio", _disturbed_ratio, TORQUES),
     Question("scan.mixed_disturbed_ratio", _ratio("disturbed_angle", "mixed", "h2"), TORQUES),
@@ -390,6 +474,11 @@ class Shared:
         self.case = case
         self._designs: dict[tuple, Designs] = {}
         self._studies: dict[tuple, Study] = {}
+        self._admissible: dict[tuple[str, ...], Callable[[Mapping], bool]] = {}
+
+    def admissible(self, printed: tuple[str, ...]) -> Callable[[Mapping], bool]:
+        """Return the test of `as_printed`, which remembers its answers over all scans."""
+        return self._admissible.setdefault(printed, as_printed(self.case, printed))
 
     def studies(self, points: Iterable[Mapping], names: Iterable[str]) -> list[Study]:
         """Return the study of each point; where the inputs shape the designs, their gains are found together."""
@@ -409,19 +498,22 @@ class Shared:
 
 
 def ask(case, results, question: Question, shared: Shared) -> None:
-    """Scan one quantity, and compute it at reconstruction B."""
+    """Scan one quantity, and compute it at reconstruction A, or B where the scan is over moments of any satellite."""
 
     def together(points: Sequence[Mapping]) -> list[float]:
         return [question.value(study) for study in shared.studies(points, question.inputs)]
 
     found = scan(
-        case, question.quantity, inputs(case, question.inputs), together=together, parts=4, admissible=rigid(case),
+        case, question.quantity, inputs(case, question.inputs, question.printed), together=together, parts=4,
+        admissible=shared.admissible(question.printed),
         samples=int(case.number("scan_samples")), seed=int(case.number("scan_seed")),
     )  # fmt: skip
     results.scan(found)
+    name = "A" if question.printed else "B"
+    here = {} if question.printed else {f"inertia_{axis}": case.number(f"inertia_b_{axis}") for axis in "xyz"}
     results.quantity(
-        question.quantity, question.value(Study(case, {})), lower=None, upper=None, source="reconstruction B",
-        method=f"at reconstruction B; scanned: {found.note}",
+        question.quantity, question.value(Study(case, here)), lower=None, upper=None, source=f"reconstruction {name}",
+        method=f"at reconstruction {name}; scanned: {found.note}",
     )  # fmt: skip
     results.say(f"scan {question.quantity}", found.note)
 
