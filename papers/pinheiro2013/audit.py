@@ -6,7 +6,7 @@ from gainsay.lmi import Solved
 from gainsay.proof import build
 from gainsay.results import task
 from gainsay.statements import Stated, read_constraint, symmetric
-from gainsay.systems.statespace import spectral_abscissa
+from gainsay.systems.spectrum import spectral_abscissa
 from papers.pinheiro2013 import proofs, statements
 from papers.pinheiro2013.plant import RECONSTRUCTIONS, linear_model, reconstruction
 from papers.pinheiro2013.scans import SCANS

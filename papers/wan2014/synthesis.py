@@ -7,7 +7,7 @@ from gainsay.lmi import Infimum, Solved, infimum
 from gainsay.proof.formulas import names_in
 from gainsay.results import Results, task
 from gainsay.statements import Stated, enclose, prove
-from gainsay.systems.statespace import spectral_abscissa
+from gainsay.systems.spectrum import spectral_abscissa
 from gainsay.tables import Case
 from papers.wan2014 import derivations, digits, plant, proofs, searches
 from papers.wan2014.plant import AXES

@@ -12,7 +12,8 @@ from gainsay.systems.norms import (
     hinf_norm,
     is_definite,
 )
-from gainsay.systems.statespace import StateSpace, spectral_abscissa
+from gainsay.systems.spectrum import spectral_abscissa
+from gainsay.systems.statespace import StateSpace
 
 
 def random_system(seed, states=4, inputs=2, outputs=3, feedthrough=True):

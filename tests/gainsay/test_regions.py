@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gainsay.errors import InputError
@@ -24,6 +24,7 @@ def test_stacks():
 
 
 @given(st.integers(0, 10_000))
+@settings(deadline=None)
 def test_lyapunov_matrices_prove(seed):
     # law: the inequality of Stein (of Lyapunov) with P > 0 holds exactly where the eigenvalues are inside
     A = np.random.default_rng(seed).standard_normal((4, 4))

@@ -174,6 +174,16 @@ def test_no_unknowns_and_no_constraints():
     assert isinstance(infimum(Program(minimise=x)), Unbounded)
 
 
+@pytest.mark.parametrize("size", [1e-300, 1e-20, 1.0, 1e300])
+def test_a_constraint_without_unknowns_beside_others(size):
+    # -size >= 0 is false whatever x; an unknown of the objective alone falls without end
+    assert isinstance(solve(Program(subject_to=[(affine([[-size]]) >= 0).named("false"), x > 0])), Infeasible)
+    assert isinstance(solve(Program(subject_to=[0 * x + affine([[-size]]) >= 0])), Infeasible)
+    assert isinstance(solve(Program(subject_to=[equal(affine([[size]]), 0.0, "false"), x > 0])), Infeasible)
+    found = infimum(Program(minimise=size * x, subject_to=[y > 0]))
+    assert isinstance(found, Unbounded) and found.ray["x"] < 0 and set(found.solved.values) == {"x", "y"}
+
+
 def test_numbers_too_small_to_be_scaled_are_no_points():
     # [[x, v], [v, 0]] has the determinant -v^2 < 0 whatever x; v^2 is no double
     for v in (1e-170, 1e-250, 5e-324):

@@ -1,4 +1,4 @@
-"""Programs that need no solver: those without unknowns, or without constraints."""
+"""What needs no solver: programs without unknowns or without constraints, and constraints without unknowns."""
 
 import numpy as np
 from flint import fmpq_mat
@@ -10,14 +10,14 @@ from gainsay.lmi.program import Program, Row
 
 
 def without_solver(program: Program) -> Outcome | None:
-    """Outcome of a program without unknowns or without constraints; None for any other."""
+    """Outcome of a program without unknowns, without constraints, or with a false constraint that holds no unknown."""
+    for row in program.rows:
+        if not row.tensor.any() and not _true(row):
+            reason = f"{row.constraint.label!r} is false as it stands"
+            return Infeasible(Farkas({row.constraint.label: _witness(row)}, _value(row), 0.0, reason), ())
     if program.size and program.rows:
         return None
     origin = program.values(np.zeros(program.size))
-    for row in program.rows:
-        if not _true(row):
-            reason = f"{row.constraint.label!r} is false as it stands"
-            return Infeasible(Farkas({row.constraint.label: _witness(row)}, _value(row), 0.0, reason), ())
     objective = float(program.objective.constant[0, 0])
     solved = Solved(origin, objective, program.check(origin), 0.0, ())
     if program.cost.any():
@@ -26,7 +26,7 @@ def without_solver(program: Program) -> Outcome | None:
 
 
 def _true(row: Row) -> bool:
-    whole = scaling.Scaled(np.zeros(0), (row.constant,), (row.tensor,))
+    whole = scaling.Scaled(np.zeros(0), (row.constant,), (row.tensor[..., :0],))
     return points.prove(whole, [row.constraint], np.zeros(0)) is not None or _exactly(row)
 
 

@@ -213,6 +213,7 @@ def _endless(program: Program, scale: scaling.Scaling, attempts: list) -> Outcom
         return Infeasible(inside.farkas, tuple(attempts))
     if not isinstance(inside, Solved):
         return None
+    inside = _told(program, inside)
     direction = ray(program, scale, attempts)
     if direction is None:
         return None

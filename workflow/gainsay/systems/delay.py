@@ -34,6 +34,8 @@ def _entries(matrix: object, name: str) -> np.ndarray:
 
 
 def _flint(matrix: np.ndarray) -> fmpq_mat:
+    if not matrix.size:
+        return fmpq_mat(*matrix.shape)
     return fmpq_mat([[fmpq(v.numerator, v.denominator) for v in row] for row in matrix])
 
 
@@ -97,6 +99,8 @@ class DelaySystem:
     def quasi_polynomial(self) -> "QuasiPolynomial":
         """det(s I - A - z Bd Cd) with z = exp(-s d), coefficients exact."""
         A, Bd, Cd = (_flint(self.exact[name]) for name in ("A", "Bd", "Cd"))
+        if not Bd.ncols():  # nothing is delayed
+            return QuasiPolynomial((A.charpoly(),))
         degree = min(Bd.rank(), Cd.rank())
         # det is a polynomial of degree `degree` in z: interpolate it at z = 0..degree.
         samples = [(A + Bd * Cd * fmpq(z)).charpoly() for z in range(degree + 1)]

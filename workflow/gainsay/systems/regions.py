@@ -4,12 +4,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from flint import fmpq_mat
 from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
 from gainsay.errors import InputError
 from gainsay.exact.floats import real_array, real_number
-from gainsay.systems.statespace import spectral_abscissa, square
+from gainsay.systems.spectrum import is_hurwitz, is_schur, rational, rounded_eigenvalues, spectral_abscissa
+from gainsay.systems.statespace import square
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class Disk:
             raise InputError("disk", field="radius", value=self.radius, expected="above 0")
 
     def reach(self, A: ArrayLike) -> Any:
-        """Largest modulus of s + centre over the eigenvalues s of A, 1/s; stacks of matrices give an array.
+        """Largest modulus of s + centre over the eigenvalues s of A, 1/s, rounded; stacks of matrices give an array.
 
         Parameters
         ----------
@@ -47,8 +49,16 @@ class Disk:
         return _largest(np.abs(np.linalg.eigvals(_stack(A)) + self.centre))
 
     def holds(self, A: ArrayLike) -> bool:
-        """Whether every eigenvalue of A lies in the disk (floating point)."""
-        return bool(np.all(self.reach(A) < self.radius))
+        """Whether every eigenvalue of A, or of each matrix of a stack, lies in the disk; the doubles are taken exactly."""
+        return all(self._holds(M) for M in _listed(A))
+
+    def _holds(self, A: np.ndarray) -> bool:
+        poles, off = rounded_eigenvalues(A)
+        room = self.radius - float(np.abs(poles + self.centre).max())
+        if abs(room) > off + 1e-14 * (self.radius + abs(self.centre)):
+            return room > 0
+        moved = rational(A) + _shift(self.centre, len(A))
+        return is_schur(moved / rational([[self.radius]])[0, 0])
 
     def lyapunov_matrix(self, A: ArrayLike) -> np.ndarray:
         """P > 0 with (A + aI)' P (A + aI) - b^2 P = -b^2 I: it proves that A has its eigenvalues in the disk.
@@ -78,12 +88,19 @@ class HalfPlane:
         real_number(self.abscissa, "abscissa")
 
     def reach(self, A: ArrayLike) -> Any:
-        """Largest real part over the eigenvalues of A, 1/s; stacks of matrices give an array."""
+        """Largest real part over the eigenvalues of A, 1/s, rounded; stacks of matrices give an array."""
         return _largest(np.linalg.eigvals(_stack(A)).real)
 
     def holds(self, A: ArrayLike) -> bool:
-        """Whether every eigenvalue of A lies in the half plane (floating point)."""
-        return bool(np.all(self.reach(A) < self.abscissa))
+        """Whether every eigenvalue of A, or of each matrix of a stack, lies there; the doubles are taken exactly."""
+        return all(self._holds(M) for M in _listed(A))
+
+    def _holds(self, A: np.ndarray) -> bool:
+        poles, off = rounded_eigenvalues(A)
+        room = self.abscissa - float(poles.real.max())
+        if abs(room) > off + 1e-14 * abs(self.abscissa):
+            return room > 0
+        return is_hurwitz(rational(A) - _shift(self.abscissa, len(A)))
 
     def lyapunov_matrix(self, A: ArrayLike) -> np.ndarray:
         """P > 0 with (A - alpha I)' P + P (A - alpha I) = -I; raises InputError where there is none."""
@@ -103,6 +120,16 @@ def _stack(A: ArrayLike) -> np.ndarray:
     if A.ndim < 2 or A.shape[-1] != A.shape[-2] or A.shape[-1] == 0:
         raise InputError("matrix", value=A.shape, expected="square matrices")
     return A
+
+
+def _listed(A: ArrayLike) -> np.ndarray:
+    A = _stack(A)
+    return A.reshape(-1, *A.shape[-2:])
+
+
+def _shift(value: float, size: int) -> fmpq_mat:
+    """A rational multiple of the unit matrix."""
+    return rational(np.eye(size, dtype=int)) * rational([[value]])[0, 0]
 
 
 def _largest(values: np.ndarray) -> Any:

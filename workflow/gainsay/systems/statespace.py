@@ -9,27 +9,6 @@ from gainsay.errors import InputError
 from gainsay.exact.floats import real_array
 
 
-def spectral_abscissa(A: ArrayLike) -> float:
-    """Largest real part among the eigenvalues of a square matrix.
-
-    Parameters
-    ----------
-    A : array_like, shape (n, n)
-        State matrix, 1/s.
-
-    Returns
-    -------
-    float
-        The spectral abscissa, 1/s; negative for an asymptotically stable system.
-
-    Raises
-    ------
-    InputError
-        If the matrix is empty, not square or not finite.
-    """
-    return float(np.linalg.eigvals(square(A, "A")).real.max())
-
-
 def square(A: ArrayLike, name: str = "A") -> np.ndarray:
     """Return the matrix as a finite square float array, or raise InputError naming it."""
     array = finite(A, name)
