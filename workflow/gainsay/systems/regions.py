@@ -49,7 +49,7 @@ class Disk:
         return _largest(np.abs(np.linalg.eigvals(_stack(A)) + self.centre))
 
     def holds(self, A: ArrayLike) -> bool:
-        """Whether every eigenvalue of A, or of each matrix of a stack, lies in the disk; the doubles are taken exactly."""
+        """Whether every eigenvalue of A, or of each matrix of a stack, lies in the disk; doubles are taken exactly."""
         return all(self._holds(M) for M in _listed(A))
 
     def _holds(self, A: np.ndarray) -> bool:

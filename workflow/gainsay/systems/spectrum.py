@@ -136,7 +136,7 @@ def is_hurwitz(exact: fmpq_mat) -> bool:
 
 
 def is_schur(exact: fmpq_mat) -> bool:
-    """Whether every eigenvalue of a rational matrix lies inside the unit circle, exactly: (A - I)(A + I)^-1 is Hurwitz."""
+    """Whether every eigenvalue of a rational matrix lies inside the unit circle: (A - I)(A + I)^-1 is Hurwitz."""
     unit = rational(np.eye(exact.nrows(), dtype=int))
     try:
         return is_hurwitz((exact - unit) * (exact + unit).inv())
