@@ -51,7 +51,31 @@ FULL = {**PAIR, "blocks": [["full", 1, 1]]}
 ARCS = {**PAIR, "arcs": ["0", "1/2", "1"], "shift": "1"}
 ROWS = {"P": "1", "d": [["1"], ["1"]]}
 
+SYMMETRIC = {"P": {"shape": [2, 2], "structure": "symmetric"}}
+
+
+def inertia(first, second, drift, wrong, unknowns=None, size=1, **more):
+    """Constraints in P, scalar unless unknowns say otherwise: whole constraints, unless congruences are given."""
+    fields = {"constraints": [["F", first], ["G", second]], "unknown": "P", "inequality": "F", "positive": "G"}
+    unit = [["1" if i == j else "0" for j in range(size)] for i in range(size)]
+    witness = {"drift": drift, "inertia": wrong, "direction": [["1"]] + [["0"]] * (size - 1),
+               "inequality": unit, "positive": unit, **more}  # fmt: skip
+    return fields, witness, unknowns or {"P": {"structure": "symmetric"}}
+
+
+FLAT, UP = [["1", "0"], ["0", "-1"]], [["-1", "0"], ["0", "1"]]
+STEIN = {"jump": "2"}
+# P - 4 P, by the congruence with (1, -2)
+COMPLETED = {"jump": "2", "inequality": [["1"], ["-2"]]}
+
 TRUE = [
+    *cases("wrong_inertia", inertia("2*P < 0", "P > 0", "1", "-1"), inertia("2*P < 0", "P >= 0", "1", "-1"),
+           inertia("2*P <= 0", "P > 0", "1", "-1"), inertia("0 < -2*P", "0 < P", "1", "-1"),
+           inertia("2*P <= -1", "P >= 0", "1", "-1"), inertia("2*P <= 0", "P >= 1", "1", "-1"),
+           inertia("4*P < P", "P > 0", "-0.5", "-1", **STEIN),
+           inertia("[[P, 2*P], [..., P]] > 0", "P > 0", "-0.5", "-1", **COMPLETED),
+           inertia("diag(-1, 2*P) < 0", "P > 0", "1", "-1", inequality=[["0"], ["1"]]),
+           inertia("sym(P @ diag(1, -1)) < 0", "P > 0", FLAT, UP, SYMMETRIC, 2)),
     *cases("definite", ({"constraint": "1 > 0"},), ({"constraint": "0 >= 0"},), ({"constraint": "-1 < 0"},),
            ({"constraint": "0 <= 0"},), ({"constraint": "0 == 0"},), ({"constraint": "1 < 2"},),
            ({"constraint": "2 > 1"},),
@@ -210,6 +234,21 @@ FALSE = [
            ({"matrix": "-1", "shift": "2", "radius": "-1.1"}, {"P": "1"}),
            ({"matrix": "0", "shift": "0", "radius": "0"}, {"P": "1"}),
            ({"matrix": "-1", "shift": "-2", "radius": "1.1"}, {"P": "1"})),
+    # stable, where P is a point; a direction of zero; two closed constraints, which P = 0 satisfies; a constant of the
+    # other sign, an equation, another matrix; no congruence; not symmetric; S of the right inertia
+    *cases("wrong_inertia", inertia("-2*P < 0", "P > 0", "-1", "1"), inertia("2*P < 0", "P > 0", "1", "-1",
+           direction="0"), inertia("2*P <= 0", "P >= 0", "1", "-1"), inertia("2*P < 1", "P > 0", "1", "-1"),
+           inertia("2*P < 0", "P > -1", "1", "-1"), inertia("2*P == 0", "P > 0", "1", "-1"),
+           inertia("2*P < 0", "P > 0", "0.9", "-1"), inertia("-2*P < 0", "P > 0", "1", "-1"),
+           inertia("2*P < 0", "P < 0", "1", "-1"), inertia("2*P < 0", "P > 0", "1", "1"),
+           inertia("P < 4*P", "P > 0", "0.5", "-1", jump="1"), inertia("P/4 < P", "P > 0", "-0.5", "-1", jump="0.5"),
+           inertia("4*P < P", "P > 0", "-0.5", "1", **STEIN), inertia("2*P*P < 0", "P > 0", "1", "-1"),
+           inertia("2*P <= 0", "P >= 0", "1", "-1", positive="0"),
+           inertia("sym(P @ diag(1, -1)) < 0", "P > 0", FLAT, FLAT, SYMMETRIC, 2),
+           inertia("P @ diag(2, -2) < 0", "P > 0", FLAT, UP, SYMMETRIC, 2),
+           inertia("sym(P @ diag(1, -1)) < 0", "P > 0", FLAT, UP, {"P": {"shape": [2, 2]}}, 2),
+           inertia("sym(P @ diag(1, -1)) < 0", "P > 0", FLAT, [["-1", "0"], ["1", "1"]], SYMMETRIC, 2),
+           inertia("sqrt(2)*P < 0", "P > 0", "1", "-1")),
     *cases("unstable", ({"matrix": "1", "alpha": "1.1"}, {"P": "-1", "z": "1"}),
            ({"matrix": "-1", "alpha": "0"}, {"P": "1", "z": "1"}),
            ({"matrix": "-1", "alpha": "0"}, {"P": "1", "z": "0"}),

@@ -227,6 +227,41 @@ def test_the_outcome_chooses_the_proof(project, A, value):
     assert row["method"] == f"certificate audit-holds, kind {certificate.kind}"
 
 
+#: inequalities of A = [[1/10, 2], [3/10, -17/10]], whose eigenvalues (-16 +- sqrt(564))/20 are irrational, one positive
+UNSTABLE = [
+    ("sym(P@A) < 0", "P > 0"),
+    ("A@P + P@A.T < 0", "P > eye(2)"),
+    ("sym(P@A) <= -eye(2)", "P >= 0"),
+    ("diag(-eye(3), sym(P@A)) < 0", "P > 0"),
+    ("(3/2*A).T@P@(3/2*A) - P < 0", "P > 0"),  # the spectral radius is 2.98
+    ("(3*A - 2*eye(2)).T@P@(3*A - 2*eye(2)) < 4*P", "P > 0"),  # the disk |s - 2/3| < 2/3
+    ("[[P, 3/2*A.T@P], [..., P]] > 0", "P >= 0"),
+    ("[[P, 3/2*P@A], [..., P]] > 0", "P >= 0"),
+]
+
+
+# a shift by 2 moves both eigenvalues to the left
+@pytest.mark.parametrize(("texts", "shift"), [*((t, "0") for t in UNSTABLE), *((t, "2") for t in UNSTABLE[:4])])
+def test_lyapunov_and_stein_inequalities_are_refuted_where_the_matrix_is_unstable(project, texts, shift):
+    """Lyapunov 1892, Stein 1952: feasible exactly if the spectrum is in the region; multipliers would be irrational."""
+    results = prepared(project)
+    program = Stated(project.case(), texts, unknowns={"P": symmetric(2)},
+                     where={"A": f"[[0.1, 2], [0.3, -1.7]] - {shift}*eye(2)"})  # fmt: skip
+    certificate = prove(results, "audit.holds", program, outcome(program), sentence="such a P")
+    assert certificate is not None
+    assert certificate.conclusions[0].relation == ("fails" if shift == "0" else "holds")
+
+
+def test_a_plant_of_ten_states_is_refuted(project):
+    """A companion matrix of (s - 1/7) (s + 1)^9: one eigenvalue to the right."""
+    coefficients = np.convolve(np.poly(-np.ones(9)), [7, -1])
+    top = ", ".join(f"{int(-c)}/7" for c in coefficients[1:])
+    A = f"col([[{top}]], row(eye(9), zeros(9, 1)))"
+    program = Stated(project.case(), [f"sym(P@{A}) < 0", "P > 0"], unknowns={"P": symmetric(10)})
+    certificate = prove(prepared(project), "audit.holds", program, outcome(program), sentence="such a P")
+    assert certificate is not None and certificate.conclusions[0].relation == "fails"
+
+
 def test_what_nothing_proves_is_undecided(project):
     results, program = prepared(project), stated(project, "[[-1, 1], [0, -2]]")
     none = Undecided("Lyapunov", ({"solver": "none"},))

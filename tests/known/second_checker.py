@@ -283,6 +283,38 @@ def infeasible(plain, data, draw):
     return {"feasible": [False]}
 
 
+def lyapunov_tries(plain, draw):
+    """Symmetric matrices that may satisfy a Lyapunov or Stein inequality: solutions of equations, and random ones."""
+    drift = np.array([[float(number(x)) for x in row] for row in plain["witness"]["drift"]])
+    n, rng = len(drift), np.random.default_rng(draw.randrange(2**32))
+    jump = plain["witness"].get("jump")
+    B = np.zeros((n, n)) if jump is None else np.array([[float(number(x)) for x in row] for row in jump])
+    eye = np.eye(n)
+    whole = np.kron(drift.T, eye) + np.kron(eye, drift.T) + np.kron(B.T, B.T)
+    for _ in range(40):
+        load = rng.normal(size=(n, n))
+        load = load @ load.T + 1e-3 * eye
+        yield np.linalg.lstsq(whole, -load.ravel(), rcond=None)[0].reshape(n, n)
+        yield load * 10.0 ** rng.uniform(-3, 3)
+
+
+def well_inside(form, relation):
+    low, high = spectrum(form)
+    room = mp.mpf("1e-9") * max(abs(x) for x in form.ravel())
+    return low > room if ">" in relation else relation != "==" and high < -room
+
+
+def wrong_inertia(plain, data, draw):
+    """A point that satisfies every constraint shows that a refutation is false."""
+    name = plain["fields"]["unknown"]
+    for P in lyapunov_tries(plain, draw):
+        point = {**drawn_point(plain, draw), name: np.vectorize(mp.mpf, otypes=[object])((P + P.T) / 2)}
+        at = Formulas(plain, data, point, draw)
+        if all(well_inside(*at.constraint(text)) for _, text in plain["fields"]["constraints"]):
+            raise Untrue("a point satisfies the constraints")
+    return {"feasible": [False]}
+
+
 def dual_bound(plain, data, draw):
     least = "minimise" in plain["fields"]
     for _ in range(TRIES):
@@ -612,7 +644,8 @@ FACTS = {
     **dict.fromkeys(("bounded_real", "h2", "norm_at_least"), norms),
     **dict.fromkeys(("quadratic_bound", "robust_disk", "robust_norm", "contour"), uncertain),
     **dict.fromkeys(("definite", "not_definite"), definite),
-    "farkas": infeasible, "dual_bound": dual_bound, "feasible": feasible, "linear_box": linear_box,
+    "farkas": infeasible, "wrong_inertia": wrong_inertia,
+    "dual_bound": dual_bound, "feasible": feasible, "linear_box": linear_box,
     "identity": identity, "different": different, "enclosed": enclosed, "level": level,
     "positive_on_interval": interval, "implication": implication,
 }  # fmt: skip

@@ -8,6 +8,7 @@ import pytest
 
 from gainsay.errors import InputError
 from gainsay.lmi import (
+    BlockMatrix,
     Infeasible,
     Infimum,
     Program,
@@ -44,6 +45,14 @@ def stein(A):
     return [(P - A.T @ P @ A > 0).named("Stein"), (P > 0).named("P > 0")]
 
 
+def completed(A, dual=False):
+    P = symmetric("P", len(A))
+    corner = P @ A if dual else A.T @ P
+    F = BlockMatrix("Stein", "a", "b")
+    F["a", "a"], F["a", "b"], F["b", "b"] = P, corner, P
+    return [F > 0]
+
+
 # Lyapunov 1892, Stein 1952: feasible exactly if the spectrum lies in the open half plane (disk)
 INFEASIBLE = {
     "unstable focus": lambda: lyapunov(ROTATION),
@@ -51,6 +60,8 @@ INFEASIBLE = {
     "one unstable, one stable mode": lambda: lyapunov(np.array([[0.1, 2.0], [0.3, -1.7]])),
     "outside the disk": lambda: stein(np.array([[1.1, 0.4], [0.2, 0.3]])),
     "on the circle": lambda: stein(np.eye(2)),
+    "outside the disk, as a Schur complement": lambda: completed(np.array([[1.1, 0.4], [0.2, 0.3]])),
+    "the same, transposed": lambda: completed(np.array([[1.1, 0.4], [0.2, 0.3]]), dual=True),
     # B does not reach the unstable mode, whatever Y
     "not stabilisable": lambda: [
         sym(np.diag([1.0, -1.0]) @ P + np.array([[0.0], [1.0]]) @ matrix("Y", 1, 2)) < 0,
@@ -86,6 +97,7 @@ def test_infeasible(name):
 FEASIBLE = {
     "stable focus": lambda: lyapunov(-ROTATION),
     "inside the disk": lambda: stein(np.array([[0.5, 0.4], [0.2, 0.3]])),
+    "inside the disk, as a Schur complement": lambda: completed(np.array([[0.5, 0.4], [0.2, 0.3]])),
     # closed inequalities meet in one point
     "closed pair": lambda: [(P >= 0).named("a"), (P <= 0).named("b")],
     "closed interval of one point": lambda: [(x >= 1).named("a"), (x <= 1).named("b")],

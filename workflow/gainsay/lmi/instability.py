@@ -35,10 +35,10 @@ def refutation(program: Program) -> Farkas | None:
         found = [(row, _keeps_positive(row, variable, place)) for row in matrices]
         kept_positive = [(row, strict) for row, strict in found if strict is not None]
         for row in matrices:
-            for kind, rows, A, strict in _inequalities(row, variable, place):
+            for kind, T, A, strict in (*_inequalities(row, variable, place), *_completed(row, variable, place)):
                 for positive, sure in kept_positive:
                     if (strict or sure) and _unstable(A, kind):
-                        return _told(program, row, rows, positive, A, kind)
+                        return _told(program, row, T, positive, A, kind)
     return None
 
 
@@ -85,8 +85,8 @@ def _keeps_positive(row: Row, variable: Variable, place: slice) -> bool | None:
     return found
 
 
-def _inequalities(row: Row, variable: Variable, place: slice) -> Iterator[tuple[str, slice, np.ndarray, bool]]:
-    """Principal parts that are -(A'P + P A) - Q or P - A'P A - Q, Q >= 0: kind, rows, A, whether strict."""
+def _inequalities(row: Row, variable: Variable, place: slice) -> Iterator[tuple[str, np.ndarray, np.ndarray, bool]]:
+    """Principal parts that are -(A'P + P A) - Q or P - A'P A - Q, Q >= 0: kind, rows as a matrix, A, whether strict."""
     n = variable.shape[0]
     diagonal = [k for k, (i, j) in enumerate(variable.index) if i == j]
     for rows in _parts(row, n):
@@ -99,7 +99,29 @@ def _inequalities(row: Row, variable: Variable, place: slice) -> Iterator[tuple[
             if A is not None and _is(kind, tensor, A, variable):
                 sign = _sign(-constant)
                 if sign is not None:
-                    yield kind, rows, A, sign or is_strict(row.constraint)
+                    yield kind, np.eye(row.size)[:, rows], A, sign or is_strict(row.constraint)
+
+
+def _completed(row: Row, variable: Variable, place: slice) -> Iterator[tuple[str, np.ndarray, np.ndarray, bool]]:
+    """Principal parts [[P, A'P], [., P]] or [[P, P A], [., P]]: a congruence T makes them P - A'P A."""
+    n = variable.shape[0]
+    diagonal = [k for k, (i, j) in enumerate(variable.index) if i == j]
+    basis = variable.terms[variable]
+    for start in range(row.size - 2 * n + 1):
+        first, last = slice(start, start + n), slice(start + n, start + 2 * n)
+        part = _block(row, slice(start, start + 2 * n), place)
+        if part is None or part[0].any():
+            continue
+        tensor = part[1]
+        if not (np.array_equal(tensor[:n, :n], basis) and np.array_equal(tensor[n:, n:], basis)):
+            continue
+        corner, eye = tensor[:n, n:], np.eye(row.size)
+        before = np.array([corner[:, j, diagonal[j]] for j in range(n)])  # A, of a corner A'P
+        if np.array_equal(corner, np.einsum("ji,jlk->ilk", before, basis)):
+            yield "Stein", eye[:, first] - eye[:, last] @ before, before, is_strict(row.constraint)
+        behind = np.array([corner[i, :, diagonal[i]] for i in range(n)])  # A, of a corner P A
+        if np.array_equal(corner, np.einsum("ilk,lj->ijk", basis, behind)):
+            yield "Stein", eye[:, last] - eye[:, first] @ behind, behind, is_strict(row.constraint)
 
 
 def _read_lyapunov(tensor: np.ndarray, diagonal: list[int], n: int) -> np.ndarray:
@@ -148,7 +170,7 @@ def _is(kind: str, tensor: np.ndarray, A: np.ndarray, variable: Variable) -> boo
 
 def _unstable(A: np.ndarray, kind: str) -> bool:
     """Prove by a matrix of the wrong inertia that A, and every matrix within rounding of it, is unstable."""
-    for H in _candidates(A, kind):
+    for H in candidates(A, kind):
         size = np.abs(A).T @ np.abs(H)
         if kind == "Lyapunov":
             value = -(A.T @ H + H @ A)
@@ -168,7 +190,11 @@ def _unstable(A: np.ndarray, kind: str) -> bool:
     return False
 
 
-def _candidates(A: np.ndarray, kind: str) -> Iterator[np.ndarray]:
+def candidates(A: np.ndarray, kind: str) -> Iterator[np.ndarray]:
+    """Symmetric H, not positive, for which A'H + H A (kind Lyapunov) or A'H A - H (Stein) may be negative.
+
+    None where A is stable to rounding.
+    """
     from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
     try:
@@ -193,7 +219,7 @@ def _candidates(A: np.ndarray, kind: str) -> Iterator[np.ndarray]:
             yield (H + H.T) / 2
 
 
-def _told(program: Program, row: Row, rows: slice, positive: Row, A: np.ndarray, kind: str) -> Farkas:
+def _told(program: Program, row: Row, T: np.ndarray, positive: Row, A: np.ndarray, kind: str) -> Farkas:
     """The refutation, with floats near its multipliers from the rightmost (outermost) eigenvector."""
     eigenvalues, vectors = np.linalg.eig(A)
     last = int(np.argmax(eigenvalues.real if kind == "Lyapunov" else np.abs(eigenvalues)))
@@ -202,7 +228,7 @@ def _told(program: Program, row: Row, rows: slice, positive: Row, A: np.ndarray,
     weight = 2 * eigenvalue.real if kind == "Lyapunov" else abs(eigenvalue) ** 2 - 1
     n = len(A)
     multipliers = {r.constraint.label: np.zeros((r.size, r.size) if r.is_matrix else r.size) for r in program.rows}
-    multipliers[row.constraint.label][rows, rows] += first
+    multipliers[row.constraint.label] += T @ first @ T.T
     for part in _parts(positive, n):
         multipliers[positive.constraint.label][part, part] += weight * first
         break

@@ -67,7 +67,7 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
             return best, program
         if setting != "clarabel":
             continue
-        proof = _contradiction(program)
+        proof = _contradiction(program) or instability.refutation(program)
         if proof is not None:
             return Infeasible(proof, tuple(attempts)), program
         if "DualInfeasible" in attempts[-1]["status"]:
@@ -97,7 +97,6 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
 def _refutation(program: Program, scale: scaling.Scaling, found: duality.Level, attempts: list) -> Farkas | None:
     """Proof that a program has no point, of the whole or of its homogeneous part."""
     proof = duality.refutation(program, scale, found, attempts)
-    proof = proof or instability.refutation(program)
     part = homogeneous_part(program) if proof is None else None
     if part is None:
         return proof

@@ -15,7 +15,7 @@ from gainsay.proof import checker
 from gainsay.proof.certificate import ON_FAITH, Certificate, Conclusion
 from gainsay.proof.completion import cancelling, has_floats, listed, on_equations, rounded, texts
 
-__all__ = ["DIGITS", "accepted", "certificate", "dual_bound", "farkas", "feasible_point", "finish"]
+__all__ = ["DIGITS", "accepted", "certificate", "dual_bound", "farkas", "feasible_point", "finish", "frame"]
 
 DIGITS = (6, 9, 12, 15, 17)
 _accepted: set[tuple[str, str]] = set()
@@ -154,11 +154,11 @@ def feasible_point(
     """
     unknowns = parts["unknowns"]
     raw = {name: listed(values) for name, values in point.items()}
-    frame = _frame("feasible", parts)
+    draft = frame("feasible", parts)
 
     def attempt(count: int) -> Certificate:
         near = {n: rounded(rows, count, unknowns[n].get("structure", "full")) for n, rows in raw.items()}
-        solved = on_equations(frame, tables, near)
+        solved = on_equations(draft, tables, near)
         return certificate("feasible", tables=tables, witness=solved, digits=(count,), **parts)
 
     return _first(attempt, digits)
@@ -180,11 +180,11 @@ def farkas(*, tables: Any, multipliers: Mapping[str, Any], digits: Sequence[int]
     CertificateError
         If it is refused with every number of digits.
     """
-    frame = _frame("farkas", parts)
+    draft = frame("farkas", parts)
     raw = {name: listed(values) for name, values in multipliers.items()}
 
     def attempt(count: int) -> Certificate:
-        solved, _ = cancelling(frame, tables, raw, count)
+        solved, _ = cancelling(draft, tables, raw, count)
         return certificate("farkas", tables=tables, witness=solved, digits=(count,), **parts)
 
     return _first(attempt, digits)
@@ -211,10 +211,10 @@ def dual_bound(
     """
     raw = {name: listed(values) for name, values in multipliers.items()}
     minimise = "minimise" in parts["fields"]
-    frame = _frame("dual_bound", {**parts, "fields": {**parts["fields"], "bound": "0"}})
+    draft = frame("dual_bound", {**parts, "fields": {**parts["fields"], "bound": "0"}})
 
     def attempt(count: int) -> Certificate:
-        solved, slack = cancelling(frame, tables, raw, count, "minimise" if minimise else "maximise")
+        solved, slack = cancelling(draft, tables, raw, count, "minimise" if minimise else "maximise")
         bound = decimal_below(-slack, bound_digits) if minimise else decimal_above(slack, bound_digits)
         whole = {**parts, "fields": {**parts["fields"], "bound": to_text(bound)}}
         return certificate("dual_bound", tables=tables, witness=solved, digits=(count,), **whole)
@@ -247,7 +247,8 @@ def _pairs(definitions: Iterable[tuple[str, str]] | Mapping[str, str]) -> tuple[
     return tuple((name, text) for name, text in pairs)
 
 
-def _frame(kind: str, parts: Mapping[str, Any]) -> Certificate:
+def frame(kind: str, parts: Mapping[str, Any]) -> Certificate:
+    """Certificate of that kind and these parts, without witness and conclusions: to evaluate its formulas in."""
     return Certificate(
         id=parts["id"],
         paper=parts["paper"],

@@ -10,6 +10,7 @@ from gainsay.lmi import Infeasible, Infimum, Solved, infimum, interior_multiplie
 from gainsay.proof import Certificate, build
 from gainsay.results import Results
 from gainsay.results.ends import proved_ends
+from gainsay.statements.instability import wrong_inertia
 from gainsay.statements.program import Stated
 
 __all__ = ["above", "below", "enclose", "prove"]
@@ -65,10 +66,8 @@ def prove(
     try:
         if isinstance(found, Solved):
             made = build.feasible_point(statement=f"There is {sentence}.", point=_point(stated, found.values), **parts)
-        elif isinstance(found, Infeasible):
-            made = _refuted(stated, found.farkas.multipliers, statement=f"There is no {sentence}.", **parts)
         else:
-            raise CertificateError(f"{type(found).__name__} after {len(found.attempts)} attempts")
+            made = _refuted(stated, found, statement=f"There is no {sentence}.", **parts)
     except CertificateError as error:
         results.undecided(quantity, str(error), source=source)
         results.say(stated.label, f"undecided: {error}")
@@ -77,11 +76,25 @@ def prove(
     return made
 
 
-def _refuted(stated: Stated, multipliers: Mapping[str, Any], **parts: Any) -> Certificate:
-    """Certificate of multipliers as found, or of others further inside where those do not survive rounding."""
+def _refuted(stated: Stated, found: Any, **parts: Any) -> Certificate:
+    """Certificate of multipliers where the outcome has some, else, or where they do not do, of a wrong inertia."""
+    reason = f"{type(found).__name__} after {len(found.attempts)} attempts"
+    if isinstance(found, Infeasible) and np.isfinite(found.farkas.distance):
+        try:
+            return _by_multipliers(stated, found.farkas.multipliers, **parts)
+        except CertificateError as error:
+            reason = str(error)
+    try:
+        return wrong_inertia(stated, **parts)
+    except CertificateError as error:
+        raise CertificateError(f"{reason}; {error}") from error
+
+
+def _by_multipliers(stated: Stated, multipliers: Mapping[str, Any], **parts: Any) -> Certificate:
     try:
         return build.farkas(multipliers=_multipliers(stated, multipliers), **parts)
     except CertificateError:
+        # others further inside their cones survive rounding
         inside = interior_multipliers(stated.program(), multipliers)
         if inside is None:
             raise
