@@ -10,6 +10,7 @@ B. Wie, Space Vehicle Dynamics and Control, AIAA, 1998, section 6.10.
 
 import math
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,6 +28,11 @@ def _cosine_and_sine(angle: float) -> tuple[float, float]:
     return (math.cos(angle), math.sin(angle)) if math.isfinite(angle) else (math.nan, math.nan)
 
 
+def _require_count(values: Vector, count: int, field: str) -> None:
+    if len(values) != count:
+        raise InputError(field=field, value=len(values), expected=f"{count} numbers")
+
+
 def direction_cosines(angles: Vector) -> np.ndarray:
     """Rotation from LVLH to body components for yaw, pitch, roll turned in this order.
 
@@ -40,6 +46,7 @@ def direction_cosines(angles: Vector) -> np.ndarray:
     ndarray, shape (3, 3)
         Columns are the LVLH axes in body components.
     """
+    _require_count(angles, 3, "angles")
     (cf, sf), (ct, st), (cp, sp) = map(_cosine_and_sine, angles)
     return np.array(
         [
@@ -58,6 +65,7 @@ def rate_matrix(angles: Vector) -> np.ndarray:
     angles : array_like, shape (3,)
         phi, theta, psi in rad.
     """
+    _require_count(angles, 3, "angles")
     (cf, sf), (ct, st) = map(_cosine_and_sine, angles[:2])
     return np.array([[1, 0, -st], [0, cf, sf * ct], [0, -sf, cf * ct]])
 
@@ -95,6 +103,7 @@ def euler_rates(angles: Vector, omega: Vector, n: float) -> np.ndarray:
     InputError
         Within 1e-9 rad of gimbal lock, pitch at 90 deg.
     """
+    _require_count(angles, 3, "angles")
     (cf, sf), (ct, st) = map(_cosine_and_sine, angles[:2])
     if abs(ct) < 1e-9:
         raise InputError("Euler angles at gimbal lock", field="theta", value=float(angles[1]), expected="not 90 deg")
@@ -124,6 +133,19 @@ def inertia_matrix(inertia: ArrayLike) -> np.ndarray:
     return J
 
 
+@lru_cache(maxsize=64)
+def _require_body(packed: bytes, shape: tuple[int, ...]) -> None:
+    """Refuse what is no inertia, once for each: a right-hand side asks thousands of times."""
+    inertia_matrix(np.frombuffer(packed).reshape(shape))
+
+
+def _body(inertia: ArrayLike) -> np.ndarray:
+    """Principal moments (3,) or inertia matrix (3, 3), kg m^2; InputError where `inertia_matrix` refuses it."""
+    J = inertia if isinstance(inertia, np.ndarray) and inertia.dtype == float else real_array(inertia, "inertia")
+    _require_body(J.tobytes(), J.shape)
+    return J
+
+
 def cross(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Cross product of two vectors, shape (3,): a tenth of the time of numpy's for many."""
     (a, b, c), (x, y, z) = first.tolist(), second.tolist()
@@ -141,15 +163,20 @@ def gravity_gradient(inertia: ArrayLike, angles: Vector, n: float) -> np.ndarray
         rad.
     n : float
         Orbital rate, rad/s.
+
+    Raises
+    ------
+    InputError
+        If it is no inertia of a rigid body.
     """
-    J = np.asarray(inertia, dtype=float)
+    J = _body(inertia)
     nadir = direction_cosines(angles)[:, 2]
     return 3 * n**2 * cross(nadir, (J * nadir) if J.ndim == 1 else J @ nadir)
 
 
 def gravity_gradient_linear(inertia: Vector, angles: Vector, n: float) -> np.ndarray:
     """Gravity-gradient torque to first order in the angles for principal moments, N m."""
-    Ix, Iy, Iz = inertia
+    Ix, Iy, Iz = np.diagonal(inertia_matrix(inertia)).tolist()
     return 3 * n**2 * np.array([(Iz - Iy) * angles[0], (Iz - Ix) * angles[1], 0.0])
 
 
@@ -178,9 +205,16 @@ def derivative(
     Returns
     -------
     ndarray, shape (6,)
+
+    Raises
+    ------
+    InputError
+        If it is no inertia of a rigid body, or a count is wrong. What is no number gives what is none.
     """
+    _require_count(state, 6, "state")
+    _require_count(torque, 3, "torque")
     angles, omega = np.asarray(state[:3], dtype=float), np.asarray(state[3:6], dtype=float)
-    J = np.asarray(inertia, dtype=float)
+    J = _body(inertia)
     momentum = J * omega if J.ndim == 1 else J @ omega
     moment = gradient(inertia, angles, n) + np.asarray(torque, dtype=float) - cross(omega, momentum)
     return np.concatenate([euler_rates(angles, omega, n), moment / J if J.ndim == 1 else np.linalg.solve(J, moment)])

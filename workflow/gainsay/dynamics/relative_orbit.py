@@ -105,7 +105,9 @@ class KeplerOrbit:
         return math.sqrt(self.gravitational_parameter * self.semi_latus_rectum)
 
     def radius(self, true_anomaly: float) -> float:
-        """Distance from the Earth's centre, m."""
+        """Distance from the Earth's centre, m; InputError where the true anomaly is no finite angle."""
+        if not math.isfinite(true_anomaly):
+            raise InputError("", field="true_anomaly", value=true_anomaly, expected="a finite angle, rad")
         return self.semi_latus_rectum / (1 + self.eccentricity * math.cos(true_anomaly))
 
     def frame_motion(self, true_anomaly: float) -> tuple[float, float, float]:
@@ -119,9 +121,10 @@ class KeplerOrbit:
     def inertial_state(self, true_anomaly: float) -> tuple[np.ndarray, np.ndarray]:
         """Return position (3,) m and velocity (3,) m/s in the perifocal inertial frame."""
         e, h, p = self.eccentricity, self.angular_momentum, self.semi_latus_rectum
+        radius = self.radius(true_anomaly)
         direction = np.array([math.cos(true_anomaly), math.sin(true_anomaly), 0.0])
         velocity = h / p * np.array([-math.sin(true_anomaly), e + math.cos(true_anomaly), 0.0])
-        return self.radius(true_anomaly) * direction, velocity
+        return radius * direction, velocity
 
 
 def differential_gravity(

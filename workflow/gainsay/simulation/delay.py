@@ -8,13 +8,14 @@ The order is s + 1, in between and at the mesh (Bellen and Zennaro, Numerical Me
 2003, chapter 6: superconvergence is lost where delayed arguments fall between mesh points).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.exact.floats import real_array
 from gainsay.simulation.delay_steps import Collocation, Reading, Steps
 
 # intervals prepared at once; the first ones, between close breakpoints, see many rows
@@ -150,7 +151,7 @@ class DelaySolution:
 
     def _evaluate(self, times: np.ndarray, derivative: bool) -> np.ndarray:
         times = np.atleast_1d(np.asarray(times, dtype=float))
-        if times.size and times.max() > self.mesh[-1] * (1 + 1e-12):
+        if times.size and not times.max() <= self.mesh[-1] * (1 + 1e-12):
             raise InputError("", field="time", value=float(times.max()), expected=f"at most {self.mesh[-1]:g} s")
         k = np.clip(np.searchsorted(self.mesh, times, side="right") - 1, 0, len(self.mesh) - 2)
         h = self.mesh[k + 1] - self.mesh[k]
@@ -197,7 +198,9 @@ class DelaySolution:
         return (high - low) * (values @ self.rule.weights)
 
 
-def delay_mesh(law: DelayLaw, start: float, end: float, step: float, stages: int) -> tuple[np.ndarray, np.ndarray]:
+def delay_mesh(
+    law: DelayLaw, start: float, end: float, step: float, stages: int, jumps: Sequence[float] = ()
+) -> tuple[np.ndarray, np.ndarray]:
     """Mesh of nearly even steps that contains the breakpoints which the scheme can feel.
 
     Parameters
@@ -207,6 +210,8 @@ def delay_mesh(law: DelayLaw, start: float, end: float, step: float, stages: int
         s.
     stages : int
         A jump in the k-th derivative with k > 2 s + 1 is below the order of the scheme.
+    jumps : sequence of float, optional
+        s: further times at which the right-hand side is not smooth; they, too, are carried on by the delay.
 
     Returns
     -------
@@ -217,7 +222,13 @@ def delay_mesh(law: DelayLaw, start: float, end: float, step: float, stages: int
     """
     if not (np.isfinite([start, end, step]).all() and end > start and step > 0):
         raise InputError("", field="start, end, step", value=(start, end, step), expected="start < end, step > 0")
+    origins = [start, *sorted(real_array(list(jumps), "jumps").tolist())]
+    if not all(start <= t <= end for t in origins):
+        raise InputError("", field="jumps", value=origins[1:], expected=f"times within {start:g}..{end:g} s")
     points = [start, *(t for t in law.breakpoints(start, 2 * stages + 1) if t < end), end]
+    for jump in origins[1:]:
+        carried = [t for t in law.breakpoints(jump, 2 * stages + 1) if all(abs(t - p) >= 1e-9 for p in points)]
+        points = sorted({*points, jump, *(t for t in carried if t < end)})
     pieces, steps = [np.array([start])], []
     for a, b in pairwise(points):
         count = max(1, int(np.ceil((b - a) / step - 1e-9)))
@@ -238,6 +249,7 @@ def simulate_delay(
     start: float = 0.0,
     step: float = 0.01,
     stages: int = 5,
+    jumps: Sequence[float] = (),
 ) -> DelaySolution:
     """Solve x' = A x + Bd Cd x(t - d(t)) + f(t) with x(t) = initial for t <= start.
 
@@ -251,11 +263,14 @@ def simulate_delay(
     end : float
         s.
     forcing : callable, optional
-        f(times (k,)) -> (k, n).
+        f(times (k,)) -> (k, n), smooth between the `jumps`: it is read at the Gauss points, and what is narrower than a
+        step would go unseen.
     start, step : float
         s.
     stages : int
         Gauss points s; the order is s + 1.
+    jumps : sequence of float, optional
+        s: times at which the forcing or the delay jumps or has a kink, such as both ends of a pulse.
 
     Returns
     -------
@@ -264,16 +279,17 @@ def simulate_delay(
     Raises
     ------
     InputError
-        If the law leaves its bounds (with the time), or shapes disagree.
+        If the law leaves its bounds (with the time), shapes disagree, an entry is not finite, or a jump not in the run.
     ComputationError
         If the state leaves the range of double precision.
     """
-    A, Bd, Cd, initial = (np.asarray(v, dtype=float) for v in (A, Bd, Cd, initial))
-    n, r = Bd.shape
+    parts = (("A", A), ("Bd", Bd), ("Cd", Cd), ("initial", initial))
+    A, Bd, Cd, initial = (real_array(value, name) for name, value in parts)
+    n, r = Bd.shape if Bd.ndim == 2 else (0, 0)
     if A.shape != (n, n) or Cd.shape != (r, n) or initial.shape != (n,):
         raise InputError("shapes", field="A, Bd, Cd, initial", value=(A.shape, Bd.shape, Cd.shape, initial.shape))
     rule = Collocation.gauss(stages)
-    mesh, h = delay_mesh(law, start, end, step, stages)
+    mesh, h = delay_mesh(law, start, end, step, stages, jumps)
     times = mesh[:-1, None] + h[:, None] * rule.nodes
     law.check(np.unique(np.append(mesh, times)))
     reading = Reading.of(law, rule, mesh, h, times)
@@ -287,6 +303,8 @@ def simulate_delay(
     for first, last in pairwise(ends):
         block = slice(first, last)
         f = np.zeros((last - first, stages, n)) if forcing is None else forcing(times[block].ravel())
+        if np.size(f) != (last - first) * stages * n:
+            raise InputError("", field="forcing", value=np.shape(f), expected=f"shape (k, {n}) at k times")
         steps = Steps.of(A, Bd, Cd, rule, h[block], f.reshape(last - first, stages, n), reading[block])
         steps.run(rows[history + first - steps.depth : history + last])
         slopes[block] = steps.slopes(rows[history + first - steps.depth : history + last - 1])

@@ -30,7 +30,7 @@ class Collocation:
     @classmethod
     def gauss(cls, stages: int) -> "Collocation":
         """Return the rule with the given number of points, 1..8."""
-        if not 1 <= stages <= 8:
+        if not isinstance(stages, int) or not 1 <= stages <= 8:
             raise InputError("", field="stages", value=stages, expected="1..8")
         x, w = np.polynomial.legendre.leggauss(stages)
         nodes = (1 + x) / 2

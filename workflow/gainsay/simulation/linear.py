@@ -11,7 +11,8 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from gainsay.errors import InputError
+from gainsay.errors import ComputationError, InputError
+from gainsay.exact.floats import real_array, real_number
 
 #: most evaluations at a turn; part of a step within which Newton's next one squares to rounding
 _ITERATIONS, _CLOSE = 60, 1e-7
@@ -41,28 +42,41 @@ class Response:
     ----------
     time : ndarray, shape (steps + 1,)
     states : ndarray, shape (steps + 1, n)
+
+    Raises
+    ------
+    InputError
+        If an entry is not finite, shapes do not fit, the end is not positive or the steps are no count.
+    ComputationError
+        If the state leaves double precision.
     """
 
     def __init__(self, A: np.ndarray, start: np.ndarray, end: float, steps: int) -> None:
-        self.A, self.end = np.asarray(A, dtype=float), float(end)
-        start = np.asarray(start, dtype=float)
+        self.A, self.end = real_array(A, "A"), real_number(end, "end")
+        start = real_array(start, "start")
         if self.A.shape != (start.size, start.size):
             raise InputError("start", value=start.shape, expected=f"shape ({self.A.shape[0]},)")
-        if not (end > 0 and steps >= 1):
-            raise InputError("response", value=(end, steps), expected="a positive end and at least one step")
+        if not (end > 0 and isinstance(steps, int | np.integer) and steps >= 1):
+            raise InputError("response", value=(end, steps), expected="a positive end and at least one whole step")
         self.time = np.linspace(0.0, self.end, steps + 1)
         self.states = np.empty((steps + 1, start.size))
         self.states[0] = start
         # Doubling: rows filled so far times the exponential over their span give as many rows again.
         filled, span = 1, expm(self.A * self.end / steps)
-        while filled <= steps:
-            more = min(filled, steps + 1 - filled)
-            self.states[filled : filled + more] = self.states[:more] @ span.T
-            filled += more
-            span = span @ span
+        with np.errstate(over="ignore", invalid="ignore"):  # the last square is not used; the states are looked at
+            while filled <= steps:
+                more = min(filled, steps + 1 - filled)
+                self.states[filled : filled + more] = self.states[:more] @ span.T
+                filled += more
+                span = span @ span
+        if not np.isfinite(self.states).all():
+            lost = float(self.time[~np.isfinite(self.states).all(axis=1)][0])
+            raise ComputationError("response", f"the state leaves double precision before {lost:g} s")
 
     def at(self, time: float) -> np.ndarray:
-        """State at any time of 0..end, by the exponential from the sample before it."""
+        """State at any time of 0..end, by the exponential from the sample before it; InputError for any other."""
+        if not -1e-9 * self.end <= time <= (1 + 1e-9) * self.end:
+            raise InputError("response", field="time", value=time, expected=f"0..{self.end:g} s")
         index = int(np.clip(time / self.end * (len(self.time) - 1), 0, len(self.time) - 1))
         return expm(self.A * (time - self.time[index])) @ self.states[index]
 

@@ -16,7 +16,7 @@ from scipy.integrate import OdeSolution, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.exact.floats import real_array
+from gainsay.exact.floats import real_array, real_number
 
 Function = Callable[[float, np.ndarray], np.ndarray]
 _NUDGE = 1e-9
@@ -55,6 +55,8 @@ class Trajectory:
             self._require_inside(np.asarray(time))
             return self._piece(float(time))(float(time))
         time = np.asarray(time, dtype=float)
+        if time.ndim != 1:
+            raise InputError("", field="time", value=time.shape, expected="a time, or a list of times")
         self._require_inside(time)
         owner = np.clip(np.searchsorted(self.ends, time, side="right") - 1, 0, len(self.pieces) - 1)
         states = np.empty((len(time), self.pieces[0](self.ends[0]).size))
@@ -183,7 +185,7 @@ def _joined(before: OdeSolution, last: OdeSolution) -> OdeSolution:
 
 
 def _require_start(right_hand_side: Function, start: np.ndarray, end: float) -> None:
-    if not (np.isfinite(end) and end > 0):
+    if not real_number(end, "end") > 0:
         raise InputError("", field="end", value=end, expected="a finite time after 0 s")
     state = real_array(start, "start")
     if state.ndim != 1 or not len(state):
@@ -196,9 +198,9 @@ def _require_start(right_hand_side: Function, start: np.ndarray, end: float) -> 
 
 
 def _require_tolerances(states: int, rtol: float, atol: float | np.ndarray, method: str) -> None:
-    if not (np.isfinite(rtol) and rtol > 0):
+    if not real_number(rtol, "rtol") > 0:
         raise InputError("", field="rtol", value=rtol, expected="a positive number")
-    if np.shape(atol) not in ((), (states,)) or not (np.isfinite(atol).all() and (np.asarray(atol) >= 0).all()):
+    if np.shape(atol) not in ((), (states,)) or not (real_array(atol, "atol") >= 0).all():
         raise InputError("", field="atol", value=np.asarray(atol).tolist(), expected="one number, or one a state, >= 0")
     if method not in METHODS:
         raise InputError("", field="method", value=method, expected=" | ".join(METHODS))

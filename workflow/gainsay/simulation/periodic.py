@@ -228,9 +228,17 @@ def held(loops: np.ndarray, hold: float, start: np.ndarray, inner: int = 1) -> t
     -------
     times : ndarray, shape (K * inner + 1,)
     states : ndarray, shape (K * inner + 1, n)
+
+    Raises
+    ------
+    InputError
+        If an entry is not finite, shapes do not fit, there are no loops, or a length or count is not positive.
     """
-    if not hold > 0 or inner < 1:
+    if not real_number(hold, "hold") > 0 or not isinstance(inner, int | np.integer) or inner < 1:
         raise InputError("hold and inner must be positive", value=(hold, inner))
+    loops, start = real_array(loops, "loops"), real_array(start, "start")
+    if not len(loops) or start.ndim != 1 or loops.shape[1:] != (len(start), len(start)):
+        raise InputError(field="loops", value=loops.shape, expected=f"shape (K, n, n), K >= 1, n = {start.size}")
     step = hold / inner
     states = np.empty((len(loops) * inner + 1, len(start)))
     states[0] = start
