@@ -16,8 +16,9 @@ from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_enclosur
 from gainsay.systems.regions import Disk, HalfPlane
 from gainsay.tables import Case
 from gainsay.verdicts.scan import plausible, scan
-from papers.li2021 import identities, plant, response
-from papers.li2021.certify import COMPARISON, PRINTED
+from papers.li2021 import derivations_identities as identities
+from papers.li2021 import plant, response
+from papers.li2021.proofs_requirements import COMPARISON, PRINTED
 from papers.li2021.response import FlexibleLoop
 from papers.li2021.statements import PLANT
 

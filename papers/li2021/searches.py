@@ -1,6 +1,6 @@
 """Searches of li2021: designs and the levels at which certificates are made; a run reads what they leave.
 
-A design comes from smooth minimisation (`papers.li2021.design`), which is not convex: another processor may end
+A design comes from smooth minimisation (`searches_smooth`), which is not convex: another processor may end
 elsewhere. The trade-off is built up from the narrowest wish to the widest, each point starting from the printed gains
 and from the best narrower point, and keeping the best that meets its wish: more room allowed never reaches less.
 """
@@ -17,7 +17,11 @@ from gainsay.lmi import Infeasible, Infimum, Solved, infimum, solve
 from gainsay.systems.norms import hinf_norm
 from gainsay.tables import Case
 from gainsay.tables.designs import FoundDesign, rounded
-from papers.li2021 import arcs, design, lmis, plant, robust
+from papers.li2021 import conditions as lmis
+from papers.li2021 import conditions_arcs as arcs
+from papers.li2021 import conditions_robust as robust
+from papers.li2021 import plant
+from papers.li2021 import searches_smooth as design
 
 DIGITS = 12
 #: shares of the limits of disk and norm found in floating point at which the certificate is made
@@ -94,7 +98,7 @@ def measures(case: Case, gains: SimpleNamespace) -> dict[str, float]:
 
 
 def improved(case: Case, gains: SimpleNamespace, wishes: design.Wishes) -> design.Improved:
-    """Gains of `design.improve`, rounded to the digits of the design."""
+    """Gains of `searches_smooth.improve`, rounded to the digits of the design."""
     disk = (case.number("disk_centre"), case.number("disk_radius"))
     k = plant.constants(case)
     constant = plant.disturbance(case, k) @ np.array([1.0, 0.0, 1.0])

@@ -13,7 +13,11 @@ from gainsay.statements import Stated
 from gainsay.systems.norms import hinf_enclosure
 from gainsay.tables import Case
 from gainsay.tables.designs import Design
-from papers.li2021 import certify, derivations, equivalence, identities, lmis, plant, proofs
+from papers.li2021 import conditions as lmis
+from papers.li2021 import derivations, plant, proofs
+from papers.li2021 import derivations_equivalence as equivalence
+from papers.li2021 import derivations_identities as identities
+from papers.li2021 import proofs_requirements as certify
 from papers.li2021.statements import EQ20, TABLES, linear_13
 
 

@@ -24,7 +24,7 @@ from gainsay.logs import (
 )
 from gainsay.simulation.linear import Response
 from gainsay.simulation.ode import integrate, largest
-from papers.pinheiro2013 import responses
+from papers.pinheiro2013 import response as responses
 from papers.pinheiro2013.plant import RECONSTRUCTIONS, Satellite, perturbed, reconstruction
 
 DESIGNS = {"hinf": ("gamma_0.2", "0.2"), "mixed": ("gamma_2", "2"), "h2": ("gamma_100", "100")}

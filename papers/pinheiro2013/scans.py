@@ -3,9 +3,9 @@
 Scans that need designs share their samples of moments of inertia, orbital rate, weights and reading of w; the unit of
 the rates, or the harmonics, axes and duration of (25), come beside them where they matter. At each, (21) is
 solved for pitch and for roll and yaw at gamma = 0.2, 2 and 100: for all points together, by the first-order condition,
-which one gain alone meets (see `gains`). Points are those at which what the paper prints of the three levels can hold
-(see `as_printed`); whether each of these prints holds is scanned without it. Responses to (24) are judged over all
-t >= 0, whatever the lost time axes showed of them.
+which one gain alone meets (see `conditions_gains`). Points are those at which what the paper prints of the three
+levels can hold (see `as_printed`); whether each of these prints holds is scanned without it. Responses to (24) are
+judged over all t >= 0, whatever the lost time axes showed of them.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -20,7 +20,9 @@ from gainsay.exact.digits import PrintedNumber
 from gainsay.results import task
 from gainsay.systems.norms import h2_norm
 from gainsay.verdicts.scan import Plausible, plausible, scan
-from papers.pinheiro2013 import gains, mixed, responses
+from papers.pinheiro2013 import conditions as mixed
+from papers.pinheiro2013 import conditions_gains as gains
+from papers.pinheiro2013 import response as responses
 from papers.pinheiro2013.plant import GROUPS, GeneralizedPlant, Satellite, generalized_plant, perturbed
 
 LEVELS = ("hinf", "mixed", "h2")

@@ -8,7 +8,8 @@ import numpy as np
 from gainsay.errors import ComputationError
 from gainsay.tables import Case
 from gainsay.tables.designs import FoundDesign
-from papers.pinheiro2013 import mixed, statements
+from papers.pinheiro2013 import conditions as mixed
+from papers.pinheiro2013 import statements
 from papers.pinheiro2013.plant import RECONSTRUCTIONS, GeneralizedPlant, generalized_plant, reconstruction
 from papers.pinheiro2013.synthesis import LEVELS, SEPARATE, best, gain_of
 

@@ -10,7 +10,10 @@ from gainsay.proof import build
 from gainsay.results import task
 from gainsay.statements import Stated, enclose, prove
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
-from papers.pinheiro2013 import gains, mixed, pitch, statements
+from papers.pinheiro2013 import conditions as mixed
+from papers.pinheiro2013 import conditions_gains as gains
+from papers.pinheiro2013 import conditions_pitch as pitch
+from papers.pinheiro2013 import statements
 from papers.pinheiro2013.plant import GROUPS, RECONSTRUCTIONS, GeneralizedPlant, generalized_plant, reconstruction
 
 LEVELS = {"gamma_0.2": "gamma_min", "gamma_2": "gamma_mixed", "gamma_100": "gamma_max"}

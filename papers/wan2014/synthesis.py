@@ -9,7 +9,8 @@ from gainsay.results import Results, task
 from gainsay.statements import Stated, enclose, prove
 from gainsay.systems.spectrum import spectral_abscissa
 from gainsay.tables import Case
-from papers.wan2014 import derivations, digits, plant, proofs, searches
+from papers.wan2014 import conditions_digits as digits
+from papers.wan2014 import derivations, plant, proofs, searches
 from papers.wan2014.plant import AXES
 from papers.wan2014.statements import (
     EQ15,

@@ -16,8 +16,9 @@ from gainsay.systems.delay_bounds import bessel_legendre
 from gainsay.systems.delay_spectrum import hinf_norm, rightmost_roots, spectral_abscissa, unstable_root_count
 from gainsay.tables import Case
 from gainsay.verdicts.scan import plausible, scan
-from papers.zhang2013 import derivations, flight, proofs
-from papers.zhang2013.bounds import (
+from papers.zhang2013 import derivations, proofs
+from papers.zhang2013 import response as flight
+from papers.zhang2013.conditions import (
     channel_blocks,
     delay_below,
     enclosed_norm,

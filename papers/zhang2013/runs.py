@@ -24,7 +24,7 @@ from gainsay.logs import (
 )
 from gainsay.logs.sampling import moving_samples
 from gainsay.tables import Case
-from papers.zhang2013.flight import Flight, external_torque, fly, numbers
+from papers.zhang2013.response import Flight, external_torque, fly, numbers
 
 SECOND = {"step": 0.03, "stages": 6}
 """The second solution, on another mesh and of another order, that bands every number."""

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from gainsay.errors import ComputationError
 from gainsay.tables import Case
 from gainsay.tables.designs import FoundDesign
-from papers.zhang2013.bounds import standing
+from papers.zhang2013.conditions import standing
 from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.statements import fast_program, least_squares_program, unsound_program
 

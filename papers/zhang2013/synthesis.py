@@ -9,8 +9,9 @@ from gainsay.results import Results, task
 from gainsay.statements import Stated, prove
 from gainsay.systems.delay_spectrum import hinf_norm, spectral_abscissa
 from gainsay.tables import Case
-from papers.zhang2013 import misprints, proofs
-from papers.zhang2013.bounds import enclosed_norm, flexible_point, least_gamma, standing
+from papers.zhang2013 import derivations_misprints as misprints
+from papers.zhang2013 import proofs
+from papers.zhang2013.conditions import enclosed_norm, flexible_point, least_gamma, standing
 from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.proofs import PRINTED_GAINS, THEOREM_1_ON_FAITH, gains_of
 from papers.zhang2013.statements import (

@@ -11,7 +11,9 @@ from gainsay.errors import CertificateError
 from gainsay.lmi import solve
 from gainsay.proof import check
 from gainsay.tables import read_case
-from papers.li2021 import equivalence, lmis, plant
+from papers.li2021 import conditions as lmis
+from papers.li2021 import derivations_equivalence as equivalence
+from papers.li2021 import plant
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -8,7 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from gainsay.errors import CertificateError
 from gainsay.tables import read_case
-from papers.li2021 import audit, identities
+from papers.li2021 import audit
+from papers.li2021 import derivations_identities as identities
 
 ROOT = Path(__file__).resolve().parents[2]
 ANGLES = {"phi": 0.3, "theta": -0.4, "psi": 0.7}

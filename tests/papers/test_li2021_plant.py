@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gainsay.tables import read_case
-from papers.li2021 import plant, robust
+from papers.li2021 import conditions_robust as robust
+from papers.li2021 import plant
 
 ROOT = Path(__file__).resolve().parents[2]
 DELTA = st.tuples(*[st.fractions(-1, 1, max_denominator=50)] * 3)

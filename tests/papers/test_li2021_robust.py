@@ -10,7 +10,13 @@ from gainsay.errors import CertificateError, ComputationError
 from gainsay.lmi import Solved, solve
 from gainsay.proof import check
 from gainsay.tables import read_case
-from papers.li2021 import arcs, certify, design, identities, lmis, plant, proofs, robust, searches
+from papers.li2021 import conditions as lmis
+from papers.li2021 import conditions_arcs as arcs
+from papers.li2021 import conditions_robust as robust
+from papers.li2021 import derivations_identities as identities
+from papers.li2021 import plant, proofs, searches
+from papers.li2021 import proofs_requirements as certify
+from papers.li2021 import searches_smooth as design
 from papers.li2021.figures import FIGURES
 
 ROOT = Path(__file__).resolve().parents[2]

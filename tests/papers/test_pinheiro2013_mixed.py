@@ -8,7 +8,10 @@ from gainsay.lmi import Infimum, infimum, matrix, symmetric
 from gainsay.proof.scope import MappingTables
 from gainsay.statements.floats import Floats
 from gainsay.systems.norms import h2_norm, hinf_norm
-from papers.pinheiro2013 import gains, mixed, pitch, statements
+from papers.pinheiro2013 import conditions as mixed
+from papers.pinheiro2013 import conditions_gains as gains
+from papers.pinheiro2013 import conditions_pitch as pitch
+from papers.pinheiro2013 import statements
 from papers.pinheiro2013.plant import Satellite, generalized_plant
 
 SATELLITE = Satellite((12.0, 11.0, 9.0), 1.0e-3)

@@ -3,8 +3,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from gainsay.simulation.linear import Response
-from papers.pinheiro2013 import responses
-from papers.pinheiro2013.mixed import h2_design, limit_gain
+from papers.pinheiro2013 import response as responses
+from papers.pinheiro2013.conditions import h2_design, limit_gain
 from papers.pinheiro2013.plant import Satellite, generalized_plant, linear_model
 
 SATELLITE = Satellite((12.0, 11.0, 9.0), 1.0e-3)

@@ -9,7 +9,9 @@ from gainsay.proof import check
 from gainsay.results import Results, run_tasks
 from gainsay.systems.norms import hinf_norm
 from gainsay.tables import read_case
-from papers.pinheiro2013 import audit, mixed, responses, scans, synthesis
+from papers.pinheiro2013 import audit, scans, synthesis
+from papers.pinheiro2013 import conditions as mixed
+from papers.pinheiro2013 import response as responses
 from papers.pinheiro2013.plant import generalized_plant, reconstruction
 from papers.pinheiro2013.runs import RUNS
 

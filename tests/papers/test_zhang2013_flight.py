@@ -16,7 +16,8 @@ from gainsay.simulation.delay import DelayLaw
 from gainsay.systems.delay_spectrum import spectral_abscissa, unstable_root_count
 from gainsay.tables import Case, read_case
 from gainsay.verdicts.criterion import criteria
-from papers.zhang2013 import audit, flight, proofs, runs
+from papers.zhang2013 import audit, proofs, runs
+from papers.zhang2013 import response as flight
 from papers.zhang2013.figures import FIGURES
 from papers.zhang2013.plant import MODES, Spacecraft
 

@@ -15,8 +15,9 @@ from gainsay.statements.floats import Floats
 from gainsay.systems.delay_bounds import bessel_legendre, level, proved_delay
 from gainsay.systems.delay_spectrum import hinf_norm
 from gainsay.tables import Case, read_case
-from papers.zhang2013 import derivations, misprints, proofs
-from papers.zhang2013.bounds import channel_blocks, first_refuted, largest_delay, least_gamma, lifted, standing
+from papers.zhang2013 import derivations, proofs
+from papers.zhang2013 import derivations_misprints as misprints
+from papers.zhang2013.conditions import channel_blocks, first_refuted, largest_delay, least_gamma, lifted, standing
 from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.proofs import gains_of as formulas_of
 from papers.zhang2013.searches import gains_of

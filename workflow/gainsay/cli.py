@@ -25,12 +25,14 @@ def _papers(root: Path, names: Sequence[str]) -> list[str]:
 
 
 def lint(options: argparse.Namespace) -> int:
-    """Read and validate every table of every paper."""
+    """Read and validate every table of every paper, and see that its modules are rooms of a paper."""
     from gainsay.tables.mathematics import check_sentences
+    from gainsay.tables.rooms import check_rooms
 
     for paper in _papers(options.root, options.papers):
         case = read_case(options.root, paper)
         check_sentences(case)
+        check_rooms(case)
         print(f"{paper}  tables     {len(case.parameters)} parameters, {len(case.claims)} claims, "
               f"{len(case.errata)} errata, {len(case.not_checked)} not checked: well-formed")  # fmt: skip
     return CLEAN

@@ -17,6 +17,7 @@ from gainsay.tables.files import LARGEST, read_text
 from gainsay.tables.folder import paper_names, read_case
 from gainsay.tables.mathematics import parts
 from gainsay.tables.models import TABLES, VERDICTS, Claim, PaperFile, Row, columns
+from gainsay.tables.rooms import ROOMS
 from gainsay.tables.sentences import sentences, worst
 from gainsay.tables.units import UNITS
 
@@ -147,6 +148,15 @@ def _robustness(tests: Path) -> str:
     return "\n".join([_ROBUSTNESS, *lines, "", "## Limits", "", *limits, ""])
 
 
+_ROOMS = """## Modules
+
+A paper's folder holds these modules, as far as it needs them; one that grows too long goes on in `<room>_<part>.py`.
+`gainsay lint` refuses any other.
+
+| module | holds |
+| --- | --- |"""
+
+
 def documents(root: Path) -> dict[str, str]:
     """Return every generated document: file below the project root -> text."""
     models: dict[str, type[BaseModel]] = {"paper.toml": PaperFile, **TABLES}
@@ -155,6 +165,8 @@ def documents(root: Path) -> dict[str, str]:
         sections.append(f"## `{file}`\n\n{model.__doc__}\n\n{_table(model)}\n")
     units = ", ".join(f"`{unit}`" for unit in UNITS)
     sections.append(f"## Units\n\n{units}\n")
+    rooms = "\n".join(f"| `{room}.py` | {about} |" for room, about in ROOMS.items())
+    sections.append(f"{_ROOMS}\n{rooms}\n")
     schemas = {file: model.model_json_schema() for file, model in models.items()}
     cases = [read_case(root, paper) for paper in paper_names(root)]
     tests = {"docs/robustness.md": _robustness(root / "tests")} if (root / "tests" / "gainsay").is_dir() else {}

@@ -6,7 +6,7 @@ import numpy as np
 
 from gainsay.proof import Certificate, build
 from gainsay.statements import Stated
-from papers.li2021.lmis import Model
+from papers.li2021.conditions import Model
 from papers.li2021.statements import TABLES, THEOREM_1, equation_13
 
 #: scalars at which (13) holds: those of Table 1, but for these two

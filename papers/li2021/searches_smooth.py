@@ -1,6 +1,6 @@
 """Synthesis by smooth minimisation: gains and scalings together, on the worst case that the certificates speak of.
 
-The conditions of `papers.li2021.arcs` and `papers.li2021.robust`, read as functions of the gains, have gradients. Their
+The conditions of `conditions_arcs` and `conditions_robust`, read as functions of the gains, have gradients. Their
 largest scaled norms over the circle (a scaling a point) and over the imaginary axis (one scaling, performance channel
 included) are minimised by a quasi-Newton method; poles, static gain, torque and the flexible loop enter as
 one-sided penalties. What comes out is only a candidate: the certificates are made and checked afterwards.
@@ -15,8 +15,8 @@ from scipy.optimize import minimize
 
 from gainsay.errors import ComputationError
 from papers.li2021 import plant
-from papers.li2021.arcs import best_scaling
-from papers.li2021.robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop, loop
+from papers.li2021.conditions_arcs import best_scaling
+from papers.li2021.conditions_robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop, loop
 
 GAINS = 72
 FREQUENCIES = (0.03, 0.06, 0.08, 0.1, 0.12, 0.15, 0.2, 0.3, 0.5)

@@ -1,7 +1,7 @@
 """One certificate for all three requirements of the paper at a gain variation delta_m, for printed gains and our own.
 
-Disk for constant variations by arcs (`papers.li2021.arcs`), norm and torque for variations of any speed, each with a
-Lyapunov matrix and multipliers of its own (`papers.li2021.robust`). The checker concludes all three by itself
+Disk for constant variations by arcs (`conditions_arcs`), norm and torque for variations of any speed, each with a
+Lyapunov matrix and multipliers of its own (`conditions_robust`). The checker concludes all three by itself
 (`gainsay.proof.kinds.level`).
 """
 
@@ -13,7 +13,9 @@ from scipy.linalg import solve_discrete_lyapunov
 from gainsay.errors import ComputationError
 from gainsay.lmi import solve
 from gainsay.proof import Certificate, build
-from papers.li2021 import arcs, plant, robust
+from papers.li2021 import conditions_arcs as arcs
+from papers.li2021 import conditions_robust as robust
+from papers.li2021 import plant
 from papers.li2021.statements import PLANT, UNCERTAIN
 
 #: (10) in linear fractional form; dm is the bound on the gain variation

@@ -11,7 +11,7 @@ from scipy.linalg import solve_discrete_are
 from scipy.optimize import brentq, minimize, minimize_scalar
 
 from gainsay.errors import ComputationError
-from papers.li2021.robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop
+from papers.li2021.conditions_robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop
 
 
 def scaled_norm(log_scale: np.ndarray, M: np.ndarray, power: float) -> tuple[float, np.ndarray]:

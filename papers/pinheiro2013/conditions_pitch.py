@@ -4,7 +4,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from gainsay.errors import InputError
-from papers.pinheiro2013.mixed import gamma_min
+from papers.pinheiro2013.conditions import gamma_min
 from papers.pinheiro2013.plant import GeneralizedPlant
 
 
