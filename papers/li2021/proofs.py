@@ -6,6 +6,7 @@ import numpy as np
 
 from gainsay.proof import Certificate, build
 from gainsay.statements import Stated, scalar
+from papers.li2021 import plant
 from papers.li2021.statements import EQ12, LOOP, PLANT, TABLES, UNCERTAIN
 
 
@@ -37,8 +38,6 @@ def disk_block(case, S: np.ndarray | None = None) -> Certificate:
     V11 = V with (A0 + aI) V (A0 + aI)' > b^2 V exists because no open-loop pole lies in D(a, b).
     """
     from scipy.linalg import solve_discrete_lyapunov
-
-    from papers.li2021 import plant
 
     a, b = case.number("disk_centre"), case.number("disk_radius")
     A = plant.rigid(plant.constants(case)).A + a * np.eye(6)
