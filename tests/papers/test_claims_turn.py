@@ -16,7 +16,8 @@ from gainsay.tables import Case, read_case
 from gainsay.verdicts.criterion import NUMERIC, criteria
 from papers.pinheiro2013 import scans
 from papers.pinheiro2013.plant import generalized_plant, linear_model, reconstruction
-from papers.zhang2013 import flight, proofs
+from papers.zhang2013 import proofs
+from papers.zhang2013 import response as flight
 from papers.zhang2013.plant import Spacecraft
 
 ROOT = Path(__file__).parents[2]
