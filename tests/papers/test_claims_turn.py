@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
 from types import MappingProxyType
 
@@ -110,6 +111,17 @@ def test_designs_of_pinheiro2013(name, group):
         for gain, stable in ((K, True), (undamped, False)):
             A, B = linear_model(satellite, group)
             assert (np.linalg.eigvals(A - B @ gain).real.max() < -1e-12) == stable
+
+
+@pytest.mark.parametrize("name", ["a", "b"])
+@pytest.mark.parametrize("group", ["pitch", "roll_yaw"])
+def test_small_gain_of_pinheiro2013(name, group):
+    # The design keeps its poles at changes of 50 %; with a millionth of its gain a body of other moments loses them:
+    # the stiffness that is left is that of gravity gradient, whose sign the moments decide.
+    plant, K = generalized_plant(reconstruction(PINHEIRO, name), group), PINHEIRO.designs[f"{name}_hinf"][f"K_{group}"]
+    corners = [plant.uncertain(5.0 * np.array(signs)) for signs in product((-1, 1), repeat=3)]
+    values = [max(np.linalg.eigvals(A - B @ gain).real.max() for A, B in corners) for gain in (K, 1e-6 * K)]
+    turns(PINHEIRO, f"{name}.gamma_0.2.small_gain_abscissa.{group}", values)
 
 
 def test_torque_that_can_saturate_the_wheel(studies):
