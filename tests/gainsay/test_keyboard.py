@@ -13,9 +13,9 @@ from gainsay.tables.mathematics import mathml
 @pytest.mark.parametrize(
     ("written", "tex"),
     [
-        ("X^-1", "X^{-1}"), ("d_M", "d_{M}"), ("lambda1", r"\lambda_{1}"), ("eps", r"\varepsilon"), ("F'", "F'"),
+        ("X^-1", "X^{-1}"), ("d_M", "d_{M}"), ("lambda1", r"\lambda_{1}"), ("eps", r"\varepsilon"),
         ("gamma^2", r"\gamma^{2}"), ("P11-bar", r"\bar{P}_{11}"), ("w2hat", r"\hat{w}_{2}"), ("d~", r"\tilde{d}"),
-        ("u_max", r"u_{\mathrm{max}}"), ("Lambda_ii", r"\Lambda_{ii}"), ("eta''", r"\eta''"), ("J_i0", "J_{i0}"),
+        ("u_max", r"u_{\mathrm{max}}"), ("Lambda_ii", r"\Lambda_{ii}"), ("J_i0", "J_{i0}"),
         ("P22^-T", "P_{22}^{-T}"), ("printed('K')", r"K_{\text{printed}}"),
         ("design('near_limit', 'K')", r"K_{\text{near limit}}"),
     ],
@@ -32,6 +32,16 @@ def test_what_is_written_on_a_keyboard_is_typeset(written, tex):
 )  # fmt: skip
 def test_words_names_and_units_are_left_as_they_are(sentence):
     assert unescape(str(typed(sentence))) == sentence
+
+
+def test_primes_follow_their_symbol():
+    eta = mathml(chr(92) + "eta")
+    assert typed("F'F and eta''") == f"{mathml('F')}\u2032{mathml('F')} and {eta}\u2032\u2032"
+    assert typed("x'X^-1 x") == f"{mathml('x')}\u2032{mathml('X^{-1}')} x"
+
+
+def test_a_name_of_several_letters_is_one_identifier():
+    assert mathml(r"\mathrm{share}") == "<math><mrow><mi>share</mi></mrow></math>"  # upright by itself, MathML 3, 3.2.3
 
 
 def test_units_relations_and_code():

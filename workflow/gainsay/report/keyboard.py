@@ -24,12 +24,12 @@ _TOKEN = re.compile(
   | (?P<unit>(?:(?<=[\d.\s]\d\s)|(?<=[gmsd]\s)|(?<=[gmsd]/)|(?<=m\^\d/)|\bkg(?=\^))(?:m|s)?)
     \^(?P<power>-?\d(?:\.\d)?)(?![\w.]\d)
   | \b(?:(?P<table>printed|number)|design)\('(?P<first>\w+)'(?:,\ '(?P<second>\w+)')?\)
-  | (?<![\w."`\\])(?<!(?<![\d)])/)(?<!\w-)(?<!(?<!\w)')(?:  # no part of a name, a path or what stands in quotes
+  | (?<![\w."`\\])(?<!(?<![\d)'])/)(?<!\w-)(?<!(?<!\w)')(?:  # no part of a name, a path or what stands in quotes
         (?P<base>(?:{_GREEK})(?=[\d_^'~]|\b)|[A-Za-z](?=[\d_^'~]|\b)|(?<=[-+]\s)[A-Z]{{2}}\b)
         (?P<index>\d{{1,3}}|_(?:max|min|ii|ij|i?\d{{1,3}}|[A-Za-z]|∞))?
         (?P<over>-?(?:hat|bar)\b|~)?
-        (?P<prime>'{{1,2}}(?![a-z]))?
         (?:\^(?P<exponent>-?(?:[\dA-Z]|[a-z]\b)))?
+        (?P<prime>'{{1,2}}(?![a-z]))?
     )(?!(?<!')\w|[`"]|-\w|\.\w|'[a-z])
     """,
     re.VERBOSE,
@@ -66,8 +66,6 @@ def _tex(found: re.Match[str]) -> str:
         symbol += (
             r"_\infty" if index == "∞" else rf"_{{\mathrm{{{index}}}}}" if index in ("max", "min") else f"_{{{index}}}"
         )
-    if found["prime"]:
-        symbol = f"{{{symbol}}}{found['prime']}" if index else symbol + found["prime"]
     return f"{symbol}^{{{found['exponent']}}}" if found["exponent"] else symbol
 
 
@@ -81,7 +79,10 @@ def _shown(found: re.Match[str]) -> Markup:
     if found["unit"]:
         power = found["power"].replace("-", "\N{MINUS SIGN}")
         return Markup("{}<sup>{}</sup>").format(found["unit"], power)
-    return _mathematics(_tex(found), found[0]) if _is_symbol(found) else escape(found[0])
+    if not _is_symbol(found):
+        return escape(found[0])
+    # a prime of MathML stands too high in most fonts: it follows as text
+    return _mathematics(_tex(found), found[0]) + (found["prime"] or "").replace("'", "\N{PRIME}")
 
 
 def _entry(found: re.Match[str]) -> Markup:

@@ -20,6 +20,9 @@ __all__ = ["COMMANDS", "check_sentences", "mathml", "parts", "plain"]
 _NAMESPACE = "{http://www.w3.org/1998/Math/MathML}"
 _LONGEST = 20_000
 _PART = re.compile(r"(\\\$)|\$([^$]*)\$|(\$)|([^$\\]+|\\)")
+#: letters of a name that the library sets one by one: an identifier of several is upright by itself
+_UPRIGHT = re.compile(r'(?:<mi mathvariant="normal">[A-Za-z]</mi>){2,}')
+_LETTER = re.compile(r"<[^>]*>")
 _COMMAND = re.compile(r"\\([A-Za-z]+|.)", re.DOTALL)
 _LETTERS = {
     "alpha", "beta", "gamma", "delta", "epsilon", "varepsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu",
@@ -103,7 +106,7 @@ def mathml(tex: str, *, display: bool = False) -> str:
         root = Tree.fromstring(convert(re.sub(r"\\top(?![A-Za-z])", r"\\mathrm{T}", tex)))
     except Exception as error:  # whatever the library says of it, it cannot be typeset
         raise _refuse(tex, "TeX that can be typeset") from error
-    written = "".join(_cleaned(root, tex))
+    written = _UPRIGHT.sub(lambda word: f"<mi>{_LETTER.sub('', word[0])}</mi>", "".join(_cleaned(root, tex)))
     return written.replace("<math>", '<math display="block">', 1) if display else written
 
 
