@@ -12,7 +12,7 @@ from gainsay.errors import InputError, one_of
 from gainsay.steps.closure import sources, table_digest
 from gainsay.steps.holding import hold_results
 from gainsay.steps.resume import forget_damaged
-from gainsay.tables.case import checked_name, paper_names
+from gainsay.tables.folder import checked_name, paper_names
 
 
 def refuse(error):
