@@ -44,6 +44,8 @@ docs: environment
 lock: environment
 	@$(RUN) uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 	  --all-extras --group dev pyproject.toml --output-file requirements.lock
+	@$(RUN) uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-annotate --no-header --no-deps \
+	  workflow/profiles/slurm/requirements.in --output-file workflow/profiles/slurm/requirements.txt
 
 record: environment
 	@$(RUN) gainsay record

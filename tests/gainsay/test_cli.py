@@ -20,6 +20,7 @@ COMMANDS = [
     "lint",
     "check",
     "record",
+    "campaigns",
     "docs",
     "prove",
     "logs",

@@ -1,5 +1,6 @@
 # What the rules share: the papers, what a step depends on, the environment of a step.
 
+import math
 import shlex
 
 ROOT = Path(workflow.basedir).resolve()
@@ -24,7 +25,7 @@ def refuse(error):
 
 def chosen_papers():
     """Names of the papers to work on, each checked: a name becomes a module, a rule and part of a command."""
-    settings = ("papers", "numeric_threads")
+    settings = ("papers", "numeric_threads", "campaigns")
     for name in config:
         if name not in settings:
             raise InputError(

@@ -1,0 +1,87 @@
+"""Campaigns of li2021: the map of (12) over lambda and gamma, random gains of Figures 8 and 9, a box of gain variation.
+
+Certificates of the map are over the printed digits; draws and boxes bound what floating point leaves out.
+"""
+
+from collections.abc import Mapping
+from types import SimpleNamespace
+
+import numpy as np
+
+from gainsay.campaigns import Block, counted_draws, feasibility_map, over_boxes
+from gainsay.lmi.rounding import gamma
+from gainsay.statements import Stated, matrix, read_constraint, symmetric
+from gainsay.systems.enclosed_spectra import INSIDE, OUTSIDE, UNRESOLVED, resolved
+from gainsay.tables import Case
+from papers.li2021 import plant, proofs
+from papers.li2021.gain_box import GainBox
+
+#: X, Y and the transformed gains of (12) after the change of variables
+UNKNOWNS = {"X": symmetric(6), "Y": symmetric(6), "Ah": matrix(6, 6), "Bh": matrix(6, 3), "Ch": matrix(3, 6)}
+#: how often a cell of the box of gain variation is halved at most
+HALVINGS = 9
+
+
+def equation_12(case: Case, point: Mapping[str, str]) -> Stated:
+    """(12) over all gains at a lambda and a gamma, nominal A."""
+    form = proofs.lemma3_blocks(f"({point['lambda']})", f"({point['gamma']})**2")
+    held = read_constraint(f"{form} < 0", "(12)")
+    return Stated(case, [held], unknowns=UNKNOWNS, where=dict((*proofs.PLANT, *proofs.UNCERTAIN)), label="(12)")
+
+
+def loops_of(case: Case, name: str, factors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(10) with the gains of a controller times factors, and a bound on what rounding leaves out, entry by entry.
+
+    Parameters
+    ----------
+    case : Case
+    name : str
+        Of the controller.
+    factors : ndarray, shape (m, 12)
+        Of the columns of A_f and B_f and the rows of C_f, as in (9).
+
+    Returns
+    -------
+    (loops, error) : tuple of ndarray, shapes (m, 12, 12)
+    """
+    exact = plant.rigid(plant.constants(case, exact=True)), plant.controller(case, name, exact=True)
+    near = [SimpleNamespace(**{key: np.array(getattr(of, key), dtype=float) for key in "ABC"}) for of in exact]
+    sizes = [SimpleNamespace(**{key: np.abs(value) for key, value in vars(of).items()}) for of in near]
+    parts = factors[:, :6], factors[:, 6:9], factors[:, 9:]
+    # every entry is a sum of at most three products of doubles, each the nearest to an exact number or a draw
+    return plant.closed_loop(*near, *parts), gamma(12) * plant.closed_loop(*sizes, *parts)
+
+
+def random_gains(case: Case, block: Block) -> dict[str, tuple[int, int]]:
+    """Count the unstable loops (10) among constant draws of the twelve factors of (9), both controllers alike."""
+    (axis,) = block.plan.axes
+    drawn = block.generator().random((block.size, 12))
+    factors = axis.low + (axis.high - axis.low) * drawn
+    found = {}
+    for name in ("proposed", "comparison"):
+        loops, error = loops_of(case, name, factors)
+        outcome = resolved(loops, lambda s: s.real, error)
+        found[name] = int((outcome == OUTSIDE).sum()), int((outcome == UNRESOLVED).sum())
+        assert int((outcome == INSIDE).sum()) + sum(found[name]) == block.size
+    return found
+
+
+def gain_box(case: Case) -> GainBox:
+    """Disk of the printed gains over inertia and gain variation."""
+    return GainBox(case, "proposed")
+
+
+CAMPAIGNS = {
+    "eq12-map": feasibility_map(
+        ("lambda", "gamma"), equation_12, "solution of (12) over all gains at lambda = {lambda} and gamma = {gamma}"
+    ),
+    "random-gains": counted_draws(
+        ("factor",),
+        "unstable",
+        {"proposed": "the proposed controller", "comparison": "the controller of [39]"},
+        random_gains,
+    ),
+    "gain-box": over_boxes(
+        GainBox.INPUTS, gain_box, HALVINGS, "the poles of (10) with the printed gains lie in the disk of the paper"
+    ),
+}

@@ -1,0 +1,243 @@
+"""Campaigns give the same bytes however their points are cut into chunks, in whatever order, however often killed."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gainsay.campaigns import Plan, counted_draws, grid_scan
+from gainsay.campaigns.box import OPEN, PROVED, REFUTED, branch
+from gainsay.campaigns.status import progress, rate
+from gainsay.campaigns.store import about_chunk, chunk_path, folder, gather, gathered, write_chunk
+from gainsay.errors import InputError
+from gainsay.tables import read_case
+from gainsay.tables.models import Campaign
+
+SCAN = Campaign(name="plane", kind="scan", inputs="x=0..1; y=1..10 log", resolution="13x7", seed="", block="5",
+                chunk="20", claim="", question="q")  # fmt: skip
+DRAWS = Campaign(name="luck", kind="draws", inputs="factor=0..1", resolution="1003", seed="7", block="10", chunk="50",
+                 claim="", question="q")  # fmt: skip
+
+
+def product(case, points):
+    """Batched on purpose: the last bits of a matrix product hang on the size of its batch."""
+    rows = np.array([[float(p["x"]), float(p["y"]), 1.0] for p in points])
+    return (rows @ np.array([[0.1, 0.7], [0.3, 0.2], [1 / 3, 0.9]]) @ np.array([0.123, 0.456])).ravel()
+
+
+def below(case, block):
+    drawn = block.generator().random(block.size)
+    return {"low": (int((drawn < 0.25).sum()), 0), "open": (int((drawn < 0.5).sum()), int((drawn > 0.99).sum()))}
+
+
+EVALUATIONS = {
+    "scan": grid_scan(("x", "y"), "z", product, 1.0),
+    "draws": counted_draws(("factor",), "below", {"low": "a quarter", "open": "a half"}, below),
+}
+
+
+def plan(case, row, **parts):
+    return Plan(case, row.model_copy(update=parts), EVALUATIONS[row.kind], "0123456789abcdef")
+
+
+def made(plan_):
+    """The bytes of everything gathered."""
+    gather(plan_)
+    files = [folder(plan_) / f"{plan_.row.name}.{ending}" for ending in ("parquet", "json")]
+    return [path.read_bytes() for path in files]
+
+
+@pytest.fixture
+def case(project):
+    return read_case(project.root, "toy")
+
+
+@pytest.mark.parametrize("row", [SCAN, DRAWS], ids=["scan", "draws"])
+def test_results_are_the_same_whatever_the_chunks_and_their_order(case, row):
+    first = plan(case, row)
+    for number in range(first.chunks):
+        write_chunk(first, number)
+    expected = made(first)
+
+    @settings(max_examples=6, deadline=None)
+    @given(st.integers(3, 60), st.randoms(use_true_random=False))
+    def same(blocks, order):
+        other = plan(case, row, chunk=str(blocks * int(row.block)))
+        numbers = list(range(other.chunks)) * 2  # every chunk twice: one that is done again changes nothing
+        order.shuffle(numbers)
+        for number in numbers:
+            write_chunk(other, number)
+        assert made(other) == expected
+
+    same()
+
+
+def test_draws_depend_on_seed_and_block_alone(case):
+    blocks = list(plan(case, DRAWS).blocks())
+    assert [b.first for b in blocks[:3]] == [0, 10, 20]
+    assert blocks[-1].size == 3
+    values = [b.generator().random(10) for b in blocks[:4]]
+    assert len({v.tobytes() for v in values}) == 4
+    assert np.array_equal(values[2], list(plan(case, DRAWS, chunk="500").blocks())[2].generator().random(10))
+    assert not np.array_equal(values[2], list(plan(case, DRAWS, seed="8").blocks())[2].generator().random(10))
+    assert not np.array_equal(values[2], blocks[2].generator(1).random(10))
+
+
+def test_counts_are_exact(case):
+    whole = plan(case, DRAWS)
+    for number in range(whole.chunks):
+        write_chunk(whole, number)
+    told = gather(whole)
+    drawn = np.concatenate([b.generator().random(b.size) for b in whole.blocks()])
+    assert told["counts"]["draws"] == 1003
+    assert told["counts"]["low_below"] == int((drawn < 0.25).sum())
+    assert told["counts"]["open_unresolved"] == int((drawn > 0.99).sum())
+    rows = list(gathered(whole, ["index", "low_below"]))
+    assert sum(int(batch["low_below"].sum()) for batch in rows) == told["counts"]["low_below"]
+
+
+def test_a_chunk_that_is_missing_damaged_or_of_other_tables_is_refused(case):
+    whole = plan(case, SCAN)
+    for number in range(whole.chunks):
+        write_chunk(whole, number)
+    path = chunk_path(whole, 2)
+    content = path.read_bytes()
+    path.unlink()
+    with pytest.raises(InputError, match="chunk-0000002"):
+        gather(whole)
+    broken = bytearray(content)
+    broken[40] ^= 0xFF
+    path.write_bytes(bytes(broken))
+    with pytest.raises(InputError, match="damaged and removed"):
+        gather(whole)
+    assert not path.exists(), "the next run makes it again"
+    path.write_bytes(content[: len(content) // 2])
+    with pytest.raises(InputError, match="chunk of a campaign"):
+        gather(whole)
+    path.write_bytes(chunk_path(whole, 1).read_bytes())
+    with pytest.raises(InputError, match="another chunk"):
+        gather(whole)
+    path.write_bytes(content)
+    gather(whole)
+    other = replace(whole, digest="f" * 16)
+    chunk_path(other, 0).parent.mkdir(parents=True)
+    for number in range(whole.chunks):
+        chunk_path(other, number).write_bytes(chunk_path(whole, number).read_bytes())
+    with pytest.raises(InputError, match="another chunk"):
+        gather(other)
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+sys.path.insert(0, {tests!r})
+import importlib.util
+spec = importlib.util.spec_from_file_location("toy_campaigns", {file!r})
+module = importlib.util.module_from_spec(spec); spec.loader.exec_module(module)
+case = module.read_case(Path({root!r}), "toy")
+plan = module.plan(case, module.DRAWS)
+blocks = 0
+inner = plan.evaluation.block
+def dying(case, block):
+    global blocks
+    blocks += 1
+    if blocks == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return inner(case, block)
+module.write_chunk(module.replace(plan, evaluation=module.replace(plan.evaluation, block=dying)), 1)
+"""
+
+
+def test_a_chunk_that_is_killed_leaves_nothing_that_counts_and_is_done_again(case):
+    whole = plan(case, DRAWS)
+    for number in range(whole.chunks):
+        write_chunk(whole, number)
+    expected = made(whole)
+    chunk_path(whole, 1).unlink()
+    code = KILLED.format(tests=str(Path(__file__).parent), file=__file__, root=str(case.root))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.returncode == -signal.SIGKILL, done.stderr
+    assert not chunk_path(whole, 1).exists()
+    assert list(chunk_path(whole, 1).parent.glob(".*.part")), "killed while it wrote"
+    write_chunk(whole, 1)
+    assert made(whole) == expected
+
+
+def test_memory_does_not_grow_with_the_number_of_rows(case):
+    import tracemalloc
+
+    most = []
+    for rows in (4_000, 16_000):
+        many = plan(case, SCAN, resolution=f"{rows // 100}x100", block="200", chunk="2000")
+        tracemalloc.start()
+        for number in range(many.chunks):
+            write_chunk(many, number)
+        gather(many)
+        most.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert most[1] < 1.3 * most[0]  # a table held whole would take four times as much
+
+
+def test_status_counts_chunks_and_tells_rate_and_time_left(case):
+    whole = plan(case, DRAWS)
+    assert progress(whole) == "luck: 0 of 21 chunks"
+    for number in range(3):
+        write_chunk(whole, number)
+        os.utime(chunk_path(whole, number), (1000 + 60 * number,) * 2)
+    line = progress(whole, now=1125)
+    # two chunks in 120 s; 18 are left: 1080 s
+    assert line.startswith("luck: 3 of 21 chunks, 1 a minute, 18 min left, so far: 150 draws, ")
+    assert rate([1000.0], 1001.0) == 0
+    assert rate([0.0, 1.0], 100.0) == pytest.approx(0.01)  # nothing for long: the rate falls
+    for number in range(3, whole.chunks):
+        write_chunk(whole, number)
+    assert "21 of 21 chunks, done: 1003 draws" in progress(whole)
+    assert about_chunk(chunk_path(whole, 20), case.root)["points"] == 3
+
+
+def quarter_disk(low, high):
+    """Whether boxes lie in the unit disk: proved by their far corner, refuted by their middle."""
+    far = (np.maximum(np.abs(low), np.abs(high)) ** 2).sum(axis=1)
+    middle = (((low + high) / 2) ** 2).sum(axis=1)
+    outcome = np.where(far <= 1, PROVED, np.where(middle > 1, REFUTED, OPEN))
+    return outcome, np.argmax(high - low, axis=1)
+
+
+@pytest.mark.parametrize("deepest", [0, 1, 6, 12])
+def test_volumes_of_a_box_add_up_and_enclose_the_quarter_of_a_disk(deepest):
+    found = branch(np.zeros(2), np.ones(2), quarter_disk, deepest)
+    assert found["proved"] + found["refuted"] + found["open"] == 2**deepest
+    # area of a quarter of the unit disk: pi / 4
+    assert found["proved"] / 2**deepest <= np.pi / 4
+    if deepest == 12:
+        assert found["proved"] / 2**12 > np.pi / 4 - 0.05
+        assert found["refuted"] / 2**12 > 1 - np.pi / 4 - 0.05
+
+
+def test_a_row_of_another_kind_or_with_other_inputs_is_refused(case):
+    with pytest.raises(InputError, match="expected scan"):
+        Plan(case, SCAN.model_copy(update={"kind": "map"}), EVALUATIONS["scan"])
+    with pytest.raises(InputError, match="a range of y too"):
+        plan(case, SCAN, inputs="x=0..1")
+    with pytest.raises(InputError, match="chunk 5: expected 0 to 4"):
+        write_chunk(plan(case, SCAN), 5)
+
+
+def test_the_manifest_says_nothing_of_chunks_time_or_machine(case):
+    whole = plan(case, SCAN)
+    for number in range(whole.chunks):
+        write_chunk(whole, number)
+    manifest = gather(whole)
+    assert "chunk" not in manifest
+    said = json.dumps(manifest)
+    assert str(case.root) not in said
+    assert time.strftime("%Y-%m") not in said

@@ -1,0 +1,98 @@
+"""The campaigns of the papers: rows and modules fit, and their expansions hold against the plants themselves."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gainsay.campaigns.box import PROVED
+from gainsay.steps.campaign import plan_digest, plan_of
+from gainsay.tables import paper_names, read_case
+from papers.li2021 import plant
+from papers.li2021.campaigns import loops_of
+from papers.li2021.gain_box import GainBox
+
+ROOT = Path(__file__).resolve().parents[2]
+CASES = {name: read_case(ROOT, name) for name in paper_names(ROOT)}
+CAMPAIGNS = [(paper, name) for paper, case in CASES.items() for name in case.campaigns]
+
+
+@pytest.mark.parametrize(("paper", "name"), CAMPAIGNS)
+def test_every_row_has_its_evaluation(paper, name):
+    assert plan_of(CASES[paper], name).chunks > 0
+
+
+def test_a_digest_changes_with_the_tables_and_not_with_the_chunks():
+    case = CASES["li2021"]
+    row = case.campaigns["random-gains"]
+    assert plan_digest(case, row) == plan_digest(case, row.model_copy(update={"chunk": "2000", "question": "?"}))
+    assert plan_digest(case, row) != plan_digest(case, row.model_copy(update={"seed": "1"}))
+    changed = case.parameters["J10"].model_copy(update={"value": "1"})
+    assert plan_digest(case, row) != plan_digest(replace(case, parameters={**case.parameters, "J10": changed}), row)
+
+
+@pytest.fixture(scope="module")
+def box():
+    return GainBox(CASES["li2021"], "proposed")
+
+
+def exact_loop(point):
+    """(10) by the exact plant, at inertias delta and common variations of the three gains."""
+    case = CASES["li2021"]
+    from fractions import Fraction
+
+    exact = [Fraction(float(x)) for x in point]
+    gains = plant.controller(case, "proposed", exact=True)
+    ones = np.array([Fraction(1)] * 6)
+    rigid = plant.rigid(plant.constants(case, exact=True), exact[:3])
+    return plant.closed_loop(rigid, gains, ones + exact[3], ones[:3] + exact[4], ones[:3] + exact[5])
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-3, 0.3])
+def test_the_expansion_of_a_box_holds_all_its_loops(box, size):
+    """Against the plant in rationals, at corners and inside."""
+    rng = np.random.default_rng(7)
+    middle = np.array([0.2, -0.3, 0.4, 0.05, -0.1, 0.1])
+    half = size * np.array([2, 2, 2, 0.3, 0.3, 0.3])
+    loop, slopes, remainder, _ = box.expanded(middle, half)
+    for k in range(12):
+        step = half * (np.sign(rng.uniform(-1, 1, 6)) if k < 8 else rng.uniform(-1, 1, 6))
+        step = (middle + step) - middle
+        near = loop + np.tensordot(step, slopes, 1)
+        assert (np.abs((exact_loop(middle + step) - near).astype(float)) <= remainder).all()
+
+
+def test_what_is_proved_of_a_box_holds_at_its_points(box):
+    half = np.array([1.0, 1.0, 1.0, 0.01, 0.01, 0.01])
+    (outcome,), _ = box(-half[None], half[None])
+    assert outcome == PROVED
+    rng = np.random.default_rng(3)
+    for _ in range(50):
+        A = exact_loop(rng.uniform(-half, half)).astype(float)
+        assert np.abs(np.linalg.eigvals(A) + 1.01).max() < 1
+
+
+def test_a_box_outside_is_never_proved(box):
+    """At A_f lower by 30 % a pole lies outside the disk: eigenvalues of the plant in rationals, rounded once."""
+    point = np.array([0, 0, 0, -0.3, 0, 0])
+    assert np.abs(np.linalg.eigvals(exact_loop(point).astype(float)) + 1.01).max() > 1.1
+    for size in (0.0, 1e-6, 0.01, 0.2):
+        (outcome,), _ = box((point - size)[None], (point + size)[None])
+        assert outcome != PROVED
+
+
+def test_the_loops_of_draws_are_the_exact_ones_within_their_bound():
+    from fractions import Fraction
+
+    case = CASES["li2021"]
+    factors = 1 + np.random.default_rng(5).random((3, 12))
+    for name in ("proposed", "comparison"):
+        loops, error = loops_of(case, name, factors)
+        gains = plant.controller(case, name, exact=True)
+        rigid = plant.rigid(plant.constants(case, exact=True))
+        for row, near, bound in zip(factors, loops, error, strict=True):
+            f = np.array([Fraction(x) for x in row])
+            exact = plant.closed_loop(rigid, gains, f[:6], f[6:9], f[9:])
+            away = exact - np.array([[Fraction(x) for x in line] for line in near])
+            assert (np.abs(away.astype(float)) <= bound).all()

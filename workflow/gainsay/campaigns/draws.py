@@ -1,0 +1,86 @@
+"""Shares among random draws: counts a block, an exact interval over what was resolved and what was not."""
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from gainsay.campaigns.interval import clopper_pearson
+from gainsay.campaigns.plan import Block, Columns, Evaluation, Plan
+from gainsay.tables import Case
+
+#: confidence level of every interval
+LEVEL = 0.95
+
+
+def counted_draws(
+    inputs: tuple[str, ...],
+    event: str,
+    shares: Mapping[str, str],
+    evaluate: Callable[[Case, Block], Mapping[str, tuple[int, int]]],
+) -> Evaluation:
+    """Campaign of kind ``draws``: how often an event occurs, with an exact binomial interval.
+
+    Parameters
+    ----------
+    inputs : tuple of str
+    event : str
+        What is counted, for people: ``"unstable"``.
+    shares : mapping of str to str
+        Name of each share to what it is a share of, for people.
+    evaluate : callable
+        ``(case, block) -> {share: (proved to occur, unresolved)}``: draws taken from `Block.generator` alone.
+    """
+    columns = {"draws": "int64"}
+    for name in shares:
+        columns |= {f"{name}_{event}": "int64", f"{name}_unresolved": "int64"}
+
+    def block(case: Case, of: Block) -> Columns:
+        row: dict[str, list[int]] = {"draws": [of.size]}
+        for name, (found, open_) in evaluate(case, of).items():
+            row |= {f"{name}_{event}": [int(found)], f"{name}_unresolved": [int(open_)]}
+        return row
+
+    def count(found: Columns) -> dict[str, int]:
+        return {name: int(sum(found[name])) for name in columns}
+
+    def told(plan: Plan, counts: Mapping[str, int]) -> dict[str, Any]:
+        draws = counts["draws"]
+        said: dict[str, Any] = {}
+        for name, about in shares.items():
+            occurred, open_ = counts[f"{name}_{event}"], counts[f"{name}_unresolved"]
+            low, high = clopper_pearson(occurred, draws, open_, LEVEL)
+            said[name] = (
+                f"{event} in {occurred} of {draws} draws of {about}, unresolved {open_}: share "
+                f"{low:.6f} to {high:.6f} at {LEVEL:.0%} confidence"
+            )
+            said |= {f"{name}_low": low, f"{name}_high": high, f"{name}_share": occurred / draws}
+        return said
+
+    def draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> None:
+        _draw(figure, rows, event, shares)
+
+    return Evaluation("draws", inputs, columns, block, count, told, draw)
+
+
+def _draw(figure: Any, rows: Iterator[Mapping[str, np.ndarray]], event: str, shares: Mapping[str, str]) -> None:
+    """Share so far over the number of draws, with the interval at the end."""
+    draws: list[int] = []
+    found: dict[str, list[int]] = {name: [] for name in shares}
+    open_: dict[str, list[int]] = {name: [] for name in shares}
+    for batch in rows:
+        draws.extend(batch["draws"])
+        for name in shares:
+            found[name].extend(batch[f"{name}_{event}"])
+            open_[name].extend(batch[f"{name}_unresolved"])
+    axes = figure.subplots()
+    total = np.cumsum(draws)
+    for number, (name, about) in enumerate(shares.items()):
+        share = np.cumsum(found[name]) / total
+        low, high = clopper_pearson(int(sum(found[name])), int(total[-1]), int(sum(open_[name])), LEVEL)
+        axes.plot(total, share, color=f"C{number}", label=f"{about}: {low:.4f} to {high:.4f}")
+        axes.axhspan(low, high, color=f"C{number}", alpha=0.3, linewidth=0)
+    axes.set_xscale("log")
+    axes.set_xlabel("draws")
+    axes.set_ylabel(f"share {event}")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=2)

@@ -1,0 +1,133 @@
+"""Maps of feasibility: at every point of a grid a certificate that the checker accepts, or no word."""
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from gainsay.campaigns.plan import Block, Columns, Evaluation, Plan
+from gainsay.errors import CertificateError, GainsayError
+from gainsay.lmi.candidates import candidates
+from gainsay.proof import Certificate, build, check
+from gainsay.statements import Stated
+from gainsay.tables import Case
+
+FEASIBLE, INFEASIBLE, UNDECIDED = "feasible", "infeasible", "undecided"
+#: what is proved inside, proved outside, and the band between
+COLOURS = {FEASIBLE: "#4c9f70", INFEASIBLE: "#b5495b", UNDECIDED: "#c9c9c9"}
+
+
+def certified(stated: Stated, name: str, sentence: str) -> tuple[str, Certificate | None]:
+    """Decide whether a program has a point, by a certificate over the tables alone.
+
+    Parameters
+    ----------
+    stated : Stated
+        Matrix inequalities.
+    name : str
+        Id of the certificate.
+    sentence : str
+        The program, for people.
+
+    Returns
+    -------
+    (outcome, certificate)
+        `UNDECIDED` and None where the checker accepted neither a point nor multipliers.
+    """
+    parts = {**stated.parts(), "id": name, "paper": stated.case.name}
+    for candidate in candidates(stated.program()):
+        try:
+            if candidate.values:
+                point = {unknown: candidate.values[unknown] for unknown in stated.unknowns}
+                return FEASIBLE, build.feasible_point(statement=f"There is {sentence}.", point=point, **parts)
+            multipliers = dict(candidate.multipliers)
+            return INFEASIBLE, build.farkas(statement=f"There is no {sentence}.", multipliers=multipliers, **parts)
+        except CertificateError:
+            continue
+    return UNDECIDED, None
+
+
+def feasibility_map(
+    inputs: tuple[str, ...], stated: Callable[[Case, Mapping[str, str]], Stated], sentence: str
+) -> Evaluation:
+    """Campaign of kind ``map``: whether a program has a point, proved at each point of a grid.
+
+    Parameters
+    ----------
+    inputs : tuple of str
+        The first two are the sides of the map.
+    stated : callable
+        ``(case, inputs as decimals) -> Stated``: a program of matrix inequalities, each decimal taken exactly.
+    sentence : str
+        The program, for people, with ``{name}`` for an input: ``"solution of (12) at lambda = {lambda}"``.
+    """
+
+    def block(case: Case, of: Block) -> Columns:
+        points, outcomes, certificates = of.points(), [], []
+        for index, point in zip(of.indices, points, strict=True):
+            name = f"{of.plan.row.name}-{index}"
+            outcome, made = certified(stated(case, point), name, sentence.format(**point))
+            outcomes.append(outcome)
+            certificates.append(made.to_json() if made is not None else "")
+        coordinates = {name: [float(point[name]) for point in points] for name in inputs}
+        return {**coordinates, "outcome": outcomes, "certificate": certificates}
+
+    def recheck(case: Case, of: Block, row: Mapping[str, Any]) -> str:
+        return _doubt(stated(case, of.points()[0]), row)
+
+    def count(columns: Columns) -> dict[str, int]:
+        return {outcome: list(columns["outcome"]).count(outcome) for outcome in COLOURS}
+
+    def told(plan: Plan, counts: Mapping[str, int]) -> dict[str, Any]:
+        return {outcome: f"{outcome} at {counts[outcome]} of {plan.points} points" for outcome in COLOURS}
+
+    columns = {**dict.fromkeys(inputs, "float64"), "outcome": "string", "certificate": "string"}
+    return Evaluation("map", inputs, columns, block, count, told, _draw, recheck)
+
+
+def _doubt(stated: Stated, row: Mapping[str, Any]) -> str:
+    """Say what is wrong with a row of a map: its certificate states another program, is refused, or says otherwise."""
+    if row["outcome"] == UNDECIDED:
+        return "a certificate of an undecided point" if row["certificate"] else ""
+    try:
+        certificate = Certificate.from_json(row["certificate"], "row")
+        check(certificate, stated.case)
+    except GainsayError as error:
+        return str(error)
+    parts = stated.parts()
+    fields = {key: value for key, value in certificate.fields.items() if key == "constraints"}
+    if fields != _plain(parts["fields"]) or dict(certificate.definitions) != _plain(parts["definitions"]):
+        return "its certificate states another program"
+    wanted = {FEASIBLE: ("feasible", "holds"), INFEASIBLE: ("farkas", "fails")}.get(row["outcome"])
+    concluded = {(certificate.kind, conclusion.relation) for conclusion in certificate.conclusions}
+    return "" if concluded == {wanted} else f"{row['outcome']}, but the certificate is {concluded}"
+
+
+def _plain(value: Any) -> Any:
+    """Return texts on one line, as certificates hold them."""
+    if isinstance(value, str):
+        return " ".join(value.split())
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    return [_plain(inner) for inner in value] if isinstance(value, list | tuple) else value
+
+
+def _draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> None:
+    """Points by outcome over the first two inputs; of further inputs all layers above each other, undecided on top."""
+    first, second = plan.axes[0], plan.axes[1] if len(plan.axes) > 1 else None
+    axes = figure.subplots()
+    places: dict[str, tuple[list, list]] = {outcome: ([], []) for outcome in COLOURS}
+    for batch in rows:
+        for outcome, (x, y) in places.items():
+            chosen = batch["outcome"] == outcome
+            x.extend(batch[first.name][chosen])
+            y.extend(batch[second.name][chosen] if second else np.zeros(chosen.sum()))
+    for outcome, (x, y) in places.items():
+        marker = {"feasible": "o", "infeasible": "x", "undecided": "s"}[outcome]
+        axes.scatter(x, y, s=14, marker=marker, color=COLOURS[outcome], linewidths=1, label=f"{outcome}: {len(x)}")
+    for side, axis in (("x", first), ("y", second)):
+        if axis is not None:
+            getattr(axes, f"set_{side}label")(axis.name)
+            getattr(axes, f"set_{side}scale")("log" if axis.logarithmic else "linear")
+    axes.margins(0.04)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=3)

@@ -1,0 +1,226 @@
+"""Chunks and gathered results as Parquet files: whole or not at all, checked page by page, the same to the byte."""
+
+import hashlib
+import json
+import os
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gainsay.campaigns.plan import Block, Plan
+from gainsay.errors import InputError
+from gainsay.tables.files import write_json
+
+#: rows of a row group of the gathered table: what is held in memory at a time
+GROUP = 4096
+_FORMAT = "1"
+
+
+def folder(plan: Plan) -> Path:
+    """Folder of everything of a paper's campaigns."""
+    return plan.case.results / "campaigns"
+
+
+def chunk_path(plan: Plan, number: int) -> Path:
+    """File of a chunk, in a folder named by what its content depends on and by the size of its chunks."""
+    return folder(plan) / plan.row.name / f"{plan.digest}-{plan.row.chunk}" / f"chunk-{number:07d}.parquet"
+
+
+def _arrow() -> Any:
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise InputError("campaigns", value="pyarrow", expected="the extra: pip install 'gainsay[campaigns]'") from None
+    return pyarrow
+
+
+def _schema(plan: Plan) -> Any:
+    arrow = _arrow()
+    types = {"int64": arrow.int64(), "float64": arrow.float64(), "string": arrow.string()}
+    fields = [arrow.field("index", arrow.int64(), nullable=False)]
+    return arrow.schema(fields + [arrow.field(name, types[type_]) for name, type_ in plan.evaluation.columns.items()])
+
+
+class _Writer:
+    """A Parquet file under a temporary name that takes its own when it is whole."""
+
+    def __init__(self, path: Path, plan: Plan) -> None:
+        self.arrow, self.path, self.schema = _arrow(), path, _schema(plan)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self.part = path.with_name(f".{os.getpid()}.{path.name}.part")
+        self.file = self.arrow.parquet.ParquetWriter(
+            self.part, self.schema, compression="zstd", write_page_checksum=True, write_statistics=True,
+            store_schema=False,
+        )  # fmt: skip
+
+    def __enter__(self) -> "_Writer":
+        return self
+
+    def write(self, table: Any) -> None:
+        self.file.write_table(table, row_group_size=GROUP)
+
+    def note(self, content: Mapping[str, str]) -> None:
+        self.file.add_key_value_metadata(dict(content))
+
+    def __exit__(self, kind: type | None, *rest: object) -> None:
+        self.file.close()
+        if kind is None:
+            self.part.replace(self.path)
+        else:
+            self.part.unlink(missing_ok=True)
+
+
+def _block_table(plan: Plan, block: Any, schema: Any) -> tuple[Any, dict[str, int]]:
+    found = plan.evaluation.block(plan.case, block)
+    if set(found) != set(plan.evaluation.columns):
+        raise InputError(plan.row.name, field="columns", value=sorted(found), expected=str(list(schema.names[1:])))
+    rows = {len(column) for column in found.values()}
+    if len(rows) != 1:
+        raise InputError(plan.row.name, field="columns", value=sorted(rows), expected="columns of one length")
+    count = rows.pop()
+    if count not in (1, block.size):
+        raise InputError(plan.row.name, field="rows", value=count, expected=f"one a block, or {block.size}")
+    index = [block.first] if count == 1 else list(block.indices)
+    return _arrow().table({"index": index, **found}, schema=schema), plan.evaluation.count(found)
+
+
+def write_chunk(plan: Plan, number: int) -> dict[str, int]:
+    """Evaluate the blocks of a chunk one after the other and write their rows; return what was counted.
+
+    A chunk that is killed leaves nothing that counts as one.
+    """
+    total: Counter[str] = Counter()
+    points = 0
+    with _Writer(chunk_path(plan, number), plan) as file:
+        for block in plan.blocks(number):
+            table, counts = _block_table(plan, block, file.schema)
+            total.update(counts)
+            points += block.size
+            file.write(table)
+        file.note(_about(plan, number, points, total))
+    return dict(total)
+
+
+def _about(plan: Plan, number: int, points: int, counts: Mapping[str, int]) -> dict[str, str]:
+    about = {"paper": plan.case.name, "campaign": plan.row.name, "digest": plan.digest, "chunk": number}
+    whole = {**about, "points": points, "counts": dict(sorted(counts.items())), "format": _FORMAT}
+    return {"gainsay": json.dumps(whole, sort_keys=True)}
+
+
+def about_chunk(path: Path, root: Path) -> dict[str, Any]:
+    """Read what a chunk says of itself.
+
+    Raises
+    ------
+    InputError
+        If it is no chunk, or cut off.
+    """
+    try:
+        metadata = _arrow().parquet.read_metadata(path).metadata or {}
+        return json.loads(metadata[b"gainsay"])
+    except (OSError, KeyError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError("no whole chunk", file=str(path.relative_to(root)), expected="a chunk of a campaign") from None
+
+
+def _rows(plan: Plan, number: int) -> Iterator[Any]:
+    """Yield the rows of a chunk by row group, every page checked.
+
+    Raises
+    ------
+    InputError
+        If the chunk is damaged: it is removed, so that the next run makes it again.
+    """
+    path, arrow = chunk_path(plan, number), _arrow()
+    file = str(path.relative_to(plan.case.root))
+    try:
+        with arrow.parquet.ParquetFile(path, page_checksum_verification=True) as opened:
+            for group in range(opened.metadata.num_row_groups):
+                yield opened.read_row_group(group)
+    except OSError as error:
+        path.unlink(missing_ok=True)
+        raise InputError(f"damaged and removed: {error}", file=file, expected="a whole chunk; run again") from None
+
+
+def gather(plan: Plan) -> dict[str, Any]:
+    """Join all chunks in the order of their points, count exactly, and write table and manifest; return the manifest.
+
+    Raises
+    ------
+    InputError
+        If a chunk is missing, damaged, or of other tables.
+    """
+    arrow = _arrow()
+    total: Counter[str] = Counter()
+    points = 0
+    path = folder(plan) / f"{plan.row.name}.parquet"
+    with _Writer(path, plan) as file:
+        waiting = file.schema.empty_table()
+        for number in range(plan.chunks):
+            chunk = chunk_path(plan, number)
+            about = about_chunk(chunk, plan.case.root)
+            expected = {"digest": plan.digest, "chunk": number, "campaign": plan.row.name, "paper": plan.case.name}
+            if any(about.get(key) != value for key, value in expected.items()):
+                file_name = str(chunk.relative_to(plan.case.root))
+                raise InputError(
+                    "another chunk", file=file_name, value=about, expected=f"chunk {number} of {plan.digest}"
+                )
+            total.update(about["counts"])
+            points += about["points"]
+            for rows in _rows(plan, number):
+                waiting = arrow.concat_tables([waiting, rows.cast(file.schema)]).combine_chunks()
+                while len(waiting) >= GROUP:
+                    file.write(waiting[:GROUP])
+                    waiting = waiting[GROUP:].combine_chunks()
+        if len(waiting):
+            file.write(waiting)
+    if points != plan.points:
+        raise InputError(plan.row.name, value=points, expected=f"{plan.points} points in all chunks")
+    counts = dict(sorted(total.items()))
+    manifest = {
+        "format": _FORMAT,
+        "paper": plan.case.name,
+        **{key: getattr(plan.row, key) for key in ("name", "kind", "inputs", "resolution", "seed", "block", "claim")},
+        "question": plan.row.question,
+        "depends_on": plan.digest,
+        "points": points,
+        "counts": counts,
+        "told": plan.evaluation.told(plan, counts),
+        "table": {"file": path.name, "sha256": hashlib.file_digest(path.open("rb"), "sha256").hexdigest()},
+    }
+    write_json(folder(plan) / f"{plan.row.name}.json", manifest)
+    return manifest
+
+
+def gathered(plan: Plan, columns: list[str]) -> Iterator[Mapping[str, np.ndarray]]:
+    """Yield batches of some columns of the gathered table, in order."""
+    path = folder(plan) / f"{plan.row.name}.parquet"
+    if not path.is_file():
+        raise InputError(
+            "not gathered", file=str(path.relative_to(plan.case.root)), expected="snakemake campaigns first"
+        )
+    with _arrow().parquet.ParquetFile(path, page_checksum_verification=True) as opened:
+        for batch in opened.iter_batches(GROUP, columns=columns):
+            yield {name: np.asarray(batch.column(name).to_pylist()) for name in columns}
+
+
+def doubts(plan: Plan) -> Iterator[tuple[int, str]]:
+    """Yield the index of every row of the gathered table and what is wrong with its proof, nothing where it holds.
+
+    Raises
+    ------
+    InputError
+        If the rows of the campaign carry no proofs, or nothing is gathered.
+    """
+    if plan.evaluation.recheck is None:
+        raise InputError(plan.row.name, field="kind", value=plan.row.kind, expected="a map, whose rows carry proofs")
+    names = ["index", *plan.evaluation.columns]
+    for batch in gathered(plan, names):
+        for k, index in enumerate(batch["index"]):
+            row = {name: batch[name][k] for name in names}
+            yield int(index), plan.evaluation.recheck(plan.case, Block(plan, int(index), 1), row)

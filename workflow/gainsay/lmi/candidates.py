@@ -1,0 +1,83 @@
+"""Candidates for a proof, at the price of a few runs of a solver: a point, or multipliers that may refute.
+
+Nothing is proved here. Where thousands of programs are to be decided and a checker decides over each anyway, the proofs
+that `solve` and `infimum` make for themselves would be made twice.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from gainsay.errors import InputError
+from gainsay.lmi import duality, scaling
+from gainsay.lmi.affine import Definite, scalar
+from gainsay.lmi.outcomes import Solved
+from gainsay.lmi.program import Program
+from gainsay.lmi.solving import solve
+
+__all__ = ["Candidate", "candidates"]
+
+_LEVEL = "common level"
+# least eigenvalues asked of multipliers, tried in turn: enough to survive rounding, little enough to refute still
+_PUSHES = (1e-7, 1e-6, 1e-5, 1e-4)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """What may decide a program.
+
+    Attributes
+    ----------
+    level : float
+        Largest level that all matrix inequalities reach together, as far as the solver says; positive: a point.
+    values : mapping of str to ndarray or float
+        A point by name of the unknowns; empty where multipliers are meant.
+    multipliers : mapping of str to ndarray
+        Multipliers by label of the constraints; empty where a point is meant.
+    """
+
+    level: float
+    values: Mapping[str, object]
+    multipliers: Mapping[str, np.ndarray]
+
+
+def candidates(program: Program) -> Iterator[Candidate]:
+    """Yield what may decide whether a program of matrix inequalities has a point, the likeliest first.
+
+    Parameters
+    ----------
+    program : Program
+        Of matrix inequalities alone; its objective is not looked at.
+
+    Raises
+    ------
+    InputError
+        If a constraint is an equation or entrywise.
+    """
+    raised = _raised(program)
+    found = solve(raised)
+    if not isinstance(found, Solved):
+        return
+    level = -found.objective
+    if level > 0:
+        yield Candidate(level, {name: value for name, value in found.values.items() if name != _LEVEL}, {})
+        return
+    scale = scaling.from_point(raised, raised.coordinates(found.values))
+    for push in _PUSHES:
+        multipliers, _ = duality.pushed_inside(raised, scale, push)
+        if multipliers is not None and all(np.isfinite(m).all() for m in multipliers):
+            parts = duality.unscaled(raised.constraints, scale, multipliers)
+            yield Candidate(level, {}, {name: value for name, value in parts.items() if name != _LEVEL})
+
+
+def _raised(program: Program) -> Program:
+    """All inequalities raised by one level of at most 1, which is maximised: always feasible."""
+    level = scalar(_LEVEL)
+    constraints = []
+    for constraint in program.constraints:
+        if not isinstance(constraint, Definite):
+            raise InputError("candidates", field=program.label, value=constraint.label, expected="matrix inequalities")
+        size = constraint.expression.shape[0]
+        constraints.append((constraint.expression - level * np.eye(size) > 0).named(constraint.label))
+    return Program(-level, [*constraints, (1 - level > 0).named(_LEVEL)], label=program.label)

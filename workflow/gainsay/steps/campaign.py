@@ -1,0 +1,150 @@
+"""Evaluate one chunk of a campaign, or gather all: what the workflow runs, here or on a cluster.
+
+A chunk stands in a folder named by a digest of all that its numbers depend on: the tables, the code as it is imported
+(comments and docstrings aside) and the libraries. Results of other tables are never mixed, and are there again when the
+tables are as they were.
+"""
+
+import argparse
+import ast
+import hashlib
+import sys
+from collections.abc import Sequence
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gainsay.errors import InputError, one_of
+from gainsay.steps.closure import closure
+from gainsay.steps.command import CLEAN, broken_off, refuse
+from gainsay.steps.modules import paper_module
+from gainsay.tables import Case, find_root, read_case
+from gainsay.tables.campaigns import named
+from gainsay.tables.files import read_bytes
+from gainsay.tables.models import Campaign
+
+if TYPE_CHECKING:  # planning a run must not load solvers
+    from gainsay.campaigns import Plan
+
+#: libraries whose numbers stand in results
+LIBRARIES = ("clarabel", "cvxpy", "numpy", "pyarrow", "python-flint", "scipy")
+#: columns of a campaign's row that its numbers depend on; chunks are cut as one likes
+_COLUMNS = ("name", "kind", "inputs", "resolution", "seed", "block")
+_DIGITS = 16
+
+
+@cache
+def _code(path: Path) -> str:
+    """Return the code of a module without what does nothing: comments, docstrings, layout."""
+    tree = ast.parse(path.read_bytes())
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if (
+            isinstance(body, list)
+            and body
+            and isinstance(body[0], ast.Expr)
+            and isinstance(body[0].value, ast.Constant)
+        ):
+            node.body = body[1:]  # type: ignore[attr-defined]  # whatever has a body takes another
+    return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+
+
+def plan_digest(case: Case, row: Campaign) -> str:
+    """Return the digest of all that the results of a campaign depend on.
+
+    Raises
+    ------
+    InputError
+        If the paper's module `campaigns` cannot be parsed.
+    """
+    digest = hashlib.sha256()
+    try:
+        modules = closure(case.root, ["gainsay.campaigns", "gainsay.campaigns.store", f"papers.{case.name}.campaigns"])
+        codes = sorted(_code(path) for path in modules)
+    except SyntaxError as error:
+        file = f"papers/{case.name}/campaigns.py"
+        raise InputError(str(error), file=file, expected="a module that can be read") from None
+    digest.update(repr([(name, getattr(row, name)) for name in _COLUMNS]).encode())
+    parameters = [(p.name, p.type, p.value, p.unit, p.status, p.plausible) for p in case.parameters.values()]
+    digest.update(repr(parameters).encode())
+    for folder in ("printed", "designs"):
+        for path in sorted((case.folder / folder).glob("*")):
+            if path.suffix in (".csv", ".json"):
+                digest.update(path.name.encode() + read_bytes(path, case.root))
+    digest.update(repr(codes).encode())
+    digest.update(repr([(name, version(name)) for name in LIBRARIES]).encode())
+    return digest.hexdigest()[:_DIGITS]
+
+
+def plan_of(case: Case, name: str) -> "Plan":
+    """Return a campaign of a paper, ready to be evaluated.
+
+    Raises
+    ------
+    InputError
+        If the table or the paper's module `campaigns` has none of this name, or the two do not fit.
+    """
+    from gainsay.campaigns import Plan
+
+    row = named(case.campaigns, name, f"papers/{case.name}/campaigns.csv")
+    known = paper_module(case, "campaigns").CAMPAIGNS
+    if name not in known:
+        file = f"papers/{case.name}/campaigns.py"
+        raise InputError("CAMPAIGNS", file=file, value=name, expected=one_of(name, known))
+    return Plan(case, row, known[name], plan_digest(case, row))
+
+
+def chunk(case: Case, name: str, number: int, digest: str = "") -> str:
+    """Evaluate one chunk and write it; return what was found, for people.
+
+    Raises
+    ------
+    InputError
+        If the digest is not that of today's tables and code: they changed since the job was submitted.
+    """
+    from gainsay.campaigns.store import write_chunk
+
+    plan = plan_of(case, name)
+    if digest and digest != plan.digest:
+        raise InputError(f"{name}: tables or code changed since", value=digest, expected=f"{plan.digest}; run again")
+    counts = write_chunk(plan, number)
+    return f"{name}, chunk {number + 1} of {plan.chunks}: " + ", ".join(f"{v} {k}" for k, v in counts.items())
+
+
+def gather_all(case: Case, name: str) -> str:
+    """Join all chunks of a campaign, write its manifest and figure; return what it says, for people."""
+    from gainsay.campaigns.figure import draw
+    from gainsay.campaigns.store import gather
+
+    plan = plan_of(case, name)
+    manifest = gather(plan)
+    draw(plan)
+    return f"{name}: " + "; ".join(text for text in manifest["told"].values() if isinstance(text, str))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one job of a campaign and return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__, epilog="exit codes: 0 done, 2 bad input")
+    parser.add_argument("paper", help="folder name below papers/")
+    parser.add_argument("campaign", help="name of a campaign of campaigns.csv")
+    parser.add_argument("--chunk", type=int, metavar="NUMBER", help="evaluate this chunk; default: gather all")
+    parser.add_argument("--digest", default="", help="refuse where tables and code have another digest")
+    parser.add_argument("--root", type=Path, help="project root; default: the project around the current folder")
+    options = parser.parse_args(arguments)
+    try:
+        case = read_case(find_root(options.root), options.paper)
+        if options.chunk is None:
+            said = gather_all(case, options.campaign)
+        else:
+            said = chunk(case, options.campaign, options.chunk, options.digest)
+    except InputError as error:
+        return refuse(error)
+    except OSError as error:
+        return broken_off(error)
+    print(f"{case.name}  campaign    {said}", flush=True)
+    return CLEAN
+
+
+if __name__ == "__main__":
+    sys.exit(main())
