@@ -8,13 +8,16 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from gainsay.campaigns import Block, counted_draws, feasibility_map, over_boxes
+from gainsay.campaigns import Block
+from gainsay.campaigns.box import over_boxes
+from gainsay.campaigns.draws import counted_draws
+from gainsay.campaigns.feasibility import feasibility_map
 from gainsay.lmi.rounding import gamma
 from gainsay.statements import Stated, matrix, read_constraint, symmetric
 from gainsay.systems.enclosed_spectra import INSIDE, OUTSIDE, UNRESOLVED, resolved
 from gainsay.tables import Case
 from papers.li2021 import plant, proofs
-from papers.li2021.gain_box import GainBox
+from papers.li2021.campaigns_box import GainBox
 
 #: X, Y and the transformed gains of (12) after the change of variables
 UNKNOWNS = {"X": symmetric(6), "Y": symmetric(6), "Ah": matrix(6, 6), "Bh": matrix(6, 3), "Ch": matrix(3, 6)}

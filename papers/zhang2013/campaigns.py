@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from gainsay.campaigns import feasibility_map
+from gainsay.campaigns.feasibility import feasibility_map
 from gainsay.statements import Stated
 from gainsay.tables import Case
 from papers.zhang2013.statements import theorem_2

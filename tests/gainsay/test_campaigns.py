@@ -14,8 +14,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gainsay.campaigns import Plan, counted_draws, grid_scan
+from gainsay.campaigns import Plan
 from gainsay.campaigns.box import OPEN, PROVED, REFUTED, branch
+from gainsay.campaigns.draws import counted_draws
+from gainsay.campaigns.scan import grid_scan
 from gainsay.campaigns.status import progress, rate
 from gainsay.campaigns.store import about_chunk, chunk_path, folder, gather, gathered, write_chunk
 from gainsay.errors import InputError

@@ -11,7 +11,7 @@ from gainsay.steps.campaign import plan_digest, plan_of
 from gainsay.tables import paper_names, read_case
 from papers.li2021 import plant
 from papers.li2021.campaigns import loops_of
-from papers.li2021.gain_box import GainBox
+from papers.li2021.campaigns_box import GainBox
 
 ROOT = Path(__file__).resolve().parents[2]
 CASES = {name: read_case(ROOT, name) for name in paper_names(ROOT)}

@@ -4,10 +4,6 @@ A point is known by its index alone, a draw by its seed and block, a block is al
 the same however the points are cut into chunks, in whatever order these run, and how often one is done again.
 """
 
-from gainsay.campaigns.box import over_boxes
-from gainsay.campaigns.draws import counted_draws
-from gainsay.campaigns.feasibility import feasibility_map
 from gainsay.campaigns.plan import Block, Evaluation, Plan
-from gainsay.campaigns.scan import grid_scan
 
-__all__ = ["Block", "Evaluation", "Plan", "counted_draws", "feasibility_map", "grid_scan", "over_boxes"]
+__all__ = ["Block", "Evaluation", "Plan"]

@@ -13,6 +13,7 @@ import jinja2
 from markupsafe import Markup, escape
 
 from gainsay import __version__
+from gainsay.report.campaigns import CampaignView, campaign_views
 from gainsay.report.claims import AGAINST, NONE_YET, ORDER, QuantityView, Verdicts, quantity_view, verdicts_of
 from gainsay.report.designs import Comparison, DesignView, comparison, design_views
 from gainsay.report.numbers import typeset, unit
@@ -85,6 +86,11 @@ class PaperPage:
             for file, path in files.items()
             if path.is_file()
         }
+
+    @cached_property
+    def campaigns(self) -> tuple[CampaignView, ...]:
+        """The campaigns that have been computed."""
+        return campaign_views(self.case)
 
     @property
     def provenance(self) -> Provenance:

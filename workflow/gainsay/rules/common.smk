@@ -1,5 +1,6 @@
 # What the rules share: the papers, what a step depends on, the environment of a step.
 
+import hashlib
 import math
 import shlex
 
@@ -98,6 +99,12 @@ def present(paper, *tables):
 def listing(paper, step):
     """The list of all files that a step leaves whatever happens inside it, each with its digest."""
     return f"results/{paper}/parts/{step}.files.csv"
+
+
+def contents(pattern):
+    """Digest of the files that match a pattern."""
+    found = [(str(path), path.read_bytes()) for path in sorted(Path().glob(pattern))]
+    return hashlib.sha256(repr(found).encode()).hexdigest()
 
 
 def made(paper, step):

@@ -129,6 +129,8 @@ for paper in ALL:
             said(paper, "page"),
         params:
             paper=paper,
+            # by content, not as input: a page shows the campaigns there are, and asks for none
+            campaigns=contents(f"results/{paper}/campaigns/*.json"),
         shell:
             "python -m gainsay.steps.page {params.paper:q} 2>&1 | tee {log:q}"
 
