@@ -1,7 +1,19 @@
-"""What holds over whole boxes of plausible inputs of pinheiro2013, proved by interval arithmetic on closed formulas."""
+"""Proofs of pinheiro2013: over whole boxes of plausible inputs, and that (21) does not minimise what (20) asks for."""
+
+import numpy as np
+from scipy.linalg import solve_continuous_lyapunov
 
 from gainsay.proof import build
 from gainsay.results import task
+from gainsay.systems.norms import bounded_real_certificate_matrix
+from papers.pinheiro2013 import conditions_pitch as pitch
+from papers.pinheiro2013 import statements
+from papers.pinheiro2013.plant import generalized_plant, reconstruction
+
+#: how far the other gain stays below the level, so that four digits of it meet the level
+_BELOW = 0.999
+#: relative room between a norm and its bounds
+_ROOM = 1e-5
 
 
 def between(case, name: str) -> str:
@@ -63,4 +75,45 @@ def pitch_stays_stable(case, results):
     )  # fmt: skip
 
 
-TASKS = (without_disturbance, pitch_stays_stable)
+@task("(20) against (21)")
+def not_equivalent(case, results):
+    """Prove that the gain of (21) at gamma = 2, pitch, B, has a larger H2 norm than another that meets the level."""
+    plant, gamma = generalized_plant(reconstruction(case, "b"), "pitch"), case.number("gamma_mixed")
+    digits = [f"{k:.4g}" for k in pitch.true_optimum(plant, _BELOW * gamma)[0][0]]
+    other = np.array([digits], dtype=float)
+    shared = case.designs["b_mixed"]["K_pitch"]
+    formulas = {"shared": "design('b_mixed', 'K_pitch')", "other": f"[[{', '.join(digits)}]]"}
+    for name, K in (("shared", shared), ("other", other)):
+        A, B, _, _, C = plant.closed(K)
+        gramian = solve_continuous_lyapunov(A.T, -C.T @ C)
+        norm = float(np.sqrt(np.trace(B.T @ gramian @ B)))
+        low, high = (f"{norm * (1 + sign * _ROOM):.8g}" for sign in (-1, 1))
+        results.prove(
+            build.certificate(
+                "h2", id=f"eq20-{name}", paper=case.name, tables=case,
+                statement=f"Bounds on the H2 norm from w to z_2 of the {name} gain at gamma = 2, pitch, B.",
+                definitions=statements.closed("b", "pitch", formulas[name]),
+                fields={"A": "closed_A", "B": "B1", "C": "closed_C2", "bound": high, "lower": low},
+                witness={"P": (1 + 0.1 * _ROOM) * gramian, "S": (1 - 0.1 * _ROOM) * gramian},
+                quantities={"norm": f"eq20.{name}.pitch"},
+            ),
+            source="(20), (21)", values={f"eq20.{name}.pitch": norm},
+        )  # fmt: skip
+    A, B, C, D, _ = plant.closed(other)
+    results.certificate(
+        build.certificate(
+            "bounded_real", id="eq20-other-level", paper=case.name, tables=case,
+            statement="The other gain meets gamma = 2, pitch, B.",
+            definitions=statements.closed("b", "pitch", formulas["other"]),
+            fields={"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11", "gamma": "number('gamma_mixed')"},
+            witness={"P": bounded_real_certificate_matrix(A, B, C, D, gamma)},
+        )
+    )  # fmt: skip
+    results.say("(20), (21)", f"H2 norm of {_short(shared)}, which (21) gives, above that of {_short(other)}")
+
+
+def _short(K: np.ndarray) -> str:
+    return "[" + ", ".join(f"{x:.4g}" for x in K.ravel()) + "]"
+
+
+TASKS = (without_disturbance, pitch_stays_stable, not_equivalent)
