@@ -162,3 +162,16 @@ def test_a_bad_delay_is_refused(delay):
     for call in (rightmost_roots, spectral_abscissa, unstable_root_count, hinf_norm):
         with pytest.raises(InputError, match="delay"):
             call(scalar(0, 1), delay)
+
+
+@pytest.mark.parametrize("power", [-100, -27, 27, 100])
+def test_the_unit_of_time_changes_nothing(power):
+    # law: t in other units, a power of two, multiplies rates and frequencies and leaves counts and norms
+    A, Bd, Cd = np.array([[-0.2, 1.0], [-1.5, -0.4]]), np.array([[0.3], [-0.8]]), np.array([[1.0, 0.5]])
+    unit = 2.0**power
+    one, other = DelaySystem(A, Bd, Cd, Bd, Cd), DelaySystem(unit * A, unit * Bd, Cd, unit * Bd, Cd)
+    for delay in (0.0, 0.3, 2.0):
+        assert spectral_abscissa(other, delay / unit) == pytest.approx(unit * spectral_abscissa(one, delay), rel=1e-9)
+        assert unstable_root_count(other, delay / unit) == unstable_root_count(one, delay)
+    assert hinf_norm(other, 0.3 / unit).value == pytest.approx(hinf_norm(one, 0.3).value, rel=1e-9)
+    assert hinf_norm(other, 0.3 / unit).frequency == pytest.approx(unit * hinf_norm(one, 0.3).frequency, rel=1e-6)

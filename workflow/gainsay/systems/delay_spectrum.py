@@ -8,6 +8,7 @@ imaginary axis.
 """
 
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
@@ -33,6 +34,7 @@ from gainsay.systems.spectrum import rational
 
 _NODES = (12, 24, 48, 96, 192)
 _ENOUGH = 48  # nodes after which fewer roots than wanted will do
+_NEAR_ONE = 10  # rates within 2^-10 to 2^10 1/s are taken as they are
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,23 @@ class Peak:
 def _check_delay(delay: float) -> None:
     if not (np.isfinite(delay) and delay >= 0):
         raise InputError("", field="delay", value=delay, expected="a finite time >= 0 s")
+
+
+def _in_own_time(system: DelaySystem, delay: float) -> tuple[DelaySystem, float, float]:
+    """The same system in another unit of time where all its rates are far from one; its delay, and that unit (1/s).
+
+    A power of two, so that nothing is rounded: tolerances below are meant for rates of about one.
+    """
+    size = float(np.linalg.norm(system.A) + np.linalg.norm(system.A1))
+    if size == 0 or delay == 0:
+        return system, delay, 1.0
+    powers = [round(float(np.log2(size))), round(float(-np.log2(delay)))]
+    exponent = min(powers) if min(powers) > 0 else min(max(powers), 0)
+    if abs(exponent) <= _NEAR_ONE:
+        return system, delay, 1.0
+    exact, factor = system.exact, Fraction(2) ** -exponent
+    faster = (exact["A"] * factor, exact["Bd"] * factor, exact["Cd"], exact["B"] * factor, exact["C"], exact["D"])
+    return DelaySystem(*faster), delay * 2.0**exponent, 2.0**exponent
 
 
 def rightmost_roots(system: DelaySystem, delay: float, count: int = 6) -> np.ndarray:
@@ -86,10 +105,11 @@ def rightmost_roots(system: DelaySystem, delay: float, count: int = 6) -> np.nda
     _check_delay(delay)
     if count < 1:
         raise InputError("", field="count", value=count, expected="at least 1")
+    system, delay, unit = _in_own_time(system, delay)
     exact = exact_roots(system, delay)
     if exact is not None:
         values = [complex(float(b.real.mid()), float(b.imag.mid())) for b, times in exact for _ in range(times)]
-        return mirrored(upper_half(np.array(values)), count)
+        return unit * mirrored(upper_half(np.array(values)), count)
     pencil, attempts, best = characteristic(system, delay), [], np.array([])
     for nodes in _NODES:
         found, doubtful = candidate_roots(system, delay, nodes, count)
@@ -104,8 +124,8 @@ def rightmost_roots(system: DelaySystem, delay: float, count: int = 6) -> np.nda
                 break
             attempts.append({"nodes": nodes, "wanted": wanted, "error": error})
         if pairs_counted(best) >= count or (len(best) and nodes >= _ENOUGH):
-            return mirrored(best, count)
-    message = f"not provably complete at delay {delay:.6g} s: {attempts[-1]['error']}"
+            return unit * mirrored(best, count)
+    message = f"not provably complete at delay {delay / unit:.6g} s: {attempts[-1]['error']}"
     raise ComputationError("rightmost roots", message, attempts)
 
 
@@ -128,6 +148,7 @@ def unstable_root_count(system: DelaySystem, delay: float) -> int:
         If a root cannot be told from the imaginary axis.
     """
     _check_delay(delay)
+    system, delay, _ = _in_own_time(system, delay)
     exact = exact_roots(system, delay)
     if exact is None:
         return roots_right_of(characteristic(system, delay), 0.0)
@@ -177,6 +198,10 @@ def hinf_norm(system: DelaySystem, delay: float, nodes: int = 24) -> Peak:
     _check_delay(delay)
     if not system.B.shape[1] or not system.C.shape[0]:
         raise InputError("a norm needs inputs and outputs", field="B, C", value=(system.B.shape, system.C.shape))
+    faster, own_delay, unit = _in_own_time(system, delay)
+    if unit != 1:
+        peak = hinf_norm(faster, own_delay, nodes)
+        return Peak(peak.value, unit * peak.frequency, peak.upper)
     if unstable := unstable_root_count(system, delay):
         raise InputError("unstable loop", field="roots in the right half plane", value=unstable, expected="none")
     if delay == 0 or not system.A1.any():
