@@ -1,5 +1,6 @@
 """Disk margins and structured singular values against publications, closed forms and python-control."""
 
+import itertools
 import math
 
 import control
@@ -7,9 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.linalg import block_diag
 
-from gainsay.errors import InputError
+from gainsay.errors import ComputationError, InputError
 from gainsay.systems.margins import disk_margin, structured_bounds
+from gainsay.systems.norms import hinf_enclosure
+from gainsay.systems.structured import structured_peak
 
 
 def test_the_example_of_the_introduction_to_disk_margins():
@@ -110,3 +114,53 @@ def test_bounds_meet_for_three_blocks(seed, blocks):
 def test_bad_structures_are_refused(M, blocks):
     with pytest.raises(InputError):
         structured_bounds(M, blocks)
+
+
+def test_the_peak_with_one_block_is_the_norm():
+    # law: with a single full block the structured singular value is the largest singular value
+    A, B, C = [[0, 1], [-1, -0.1]], [[0], [1]], [[1, 0]]
+    found, norm = structured_peak(A, B, C, blocks=[1]), hinf_enclosure(A, B, C)
+    assert found.lower <= norm.upper and norm.lower <= found.upper <= norm.upper * 1.0011
+    assert found.frequency == pytest.approx(norm.frequency, rel=1e-2)
+
+
+def test_the_peak_of_two_systems_in_a_ring():
+    # closed form: of [[0, g1], [g2, 0]] it is sqrt|g1 g2|, g1 = 1/(s^2 + s/10 + 1), g2 = 3/(s + 2); a fine grid
+    A = [[0, 1, 0], [-1, -0.1, 0], [0, 0, -2]]
+    found = structured_peak(A, [[0, 0], [0, 1], [1, 0]], [[1, 0, 0], [0, 0, 3]], blocks=[1, 1])
+    w = np.linspace(0.9, 1.1, 400_001)
+    peak = np.sqrt(np.abs(3 / ((1 - w**2 + 0.1j * w) * (2 + 1j * w))).max())
+    assert found.lower <= peak * (1 + 1e-9) and peak <= found.upper * (1 + 1e-12)
+    assert found.upper <= found.lower * 1.01
+    assert found.intervals[0][0] == 0 and found.intervals[-1][1] == np.inf
+    assert all(a[1] >= b[0] for a, b in itertools.pairwise(found.intervals))  # nothing between them
+
+
+def test_the_peak_of_what_no_loop_closes_is_small():
+    # closed form: [[0, 2/(s + 1)], [0, 0]] has the spectral radius zero under every block-diagonal perturbation
+    assert structured_peak([[-1.0]], [[0.0, 2.0]], [[1.0], [0.0]], blocks=[1, 1]).upper < 0.01
+
+
+@pytest.mark.parametrize("seed", [0])
+def test_no_smaller_perturbation_makes_the_loop_unstable(seed):
+    # law: small gain; A + B E (I - D E)^-1 C stays Hurwitz for every structured E below 1/upper
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(3, 3))
+    A -= (np.linalg.eigvals(A).real.max() + 0.2) * np.eye(3)
+    B, C, D = rng.normal(size=(3, 3)), rng.normal(size=(3, 3)), 0.2 * rng.normal(size=(3, 3))
+    found = structured_peak(A, B, C, D, blocks=[2, 1])
+    assert found.lower <= found.upper and found.upper <= hinf_enclosure(A, B, C, D).upper * 1.0011
+    for _ in range(200):
+        parts = [rng.normal(size=(k, k)) + 1j * rng.normal(size=(k, k)) for k in (2, 1)]
+        E = block_diag(*(0.999 / found.upper * M / np.linalg.norm(M, 2) for M in parts))
+        closed = A + B @ E @ np.linalg.solve(np.eye(3) - D @ E, C)
+        assert np.linalg.eigvals(closed).real.max() < 0
+
+
+@pytest.mark.parametrize(
+    "changes", [{"A": [[1.0]]}, {"A": [[0.0]]}, {"blocks": [2]}, {"blocks": []}, {"tolerance": 0}, {"B": [[1.0, 1.0]]}]
+)
+def test_a_peak_of_what_has_none_is_refused(changes):
+    given = {"A": [[-1.0]], "B": [[1.0]], "C": [[1.0]], "blocks": [1], **changes}
+    with pytest.raises((InputError, ComputationError)):
+        structured_peak(**given)

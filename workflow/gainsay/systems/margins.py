@@ -22,6 +22,8 @@ from gainsay.systems.norms import hinf_enclosure
 from gainsay.systems.statespace import StateSpace
 
 _ROUNDS = 200
+#: largest logarithm of a scaling
+_WIDEST = 100.0
 
 
 @dataclass(frozen=True)
@@ -199,7 +201,8 @@ def _best_scaling(M: np.ndarray, sizes: list[int]) -> np.ndarray:
             log[i] += 0.5 * np.log(max(column, floor) / max(row, floor))
 
     def value(free: np.ndarray) -> float:
-        whole = np.repeat(np.exp(np.append(0.0, free)), sizes)
+        # a structure that falls apart has scalings without end, beyond which doubles leave nothing to compare
+        whole = np.repeat(np.exp(np.clip(np.append(0.0, free), -_WIDEST, _WIDEST)), sizes)
         return float(np.log(np.linalg.norm(M * whole[:, None] / whole[None, :], 2)))
 
     best = log[1:] - log[0]
@@ -209,7 +212,7 @@ def _best_scaling(M: np.ndarray, sizes: list[int]) -> np.ndarray:
                 value, best, method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-14, "maxiter": 4000}
             )
             best = found.x if found.fun < value(best) else best
-    return np.exp(np.append(0.0, best))
+    return np.exp(np.clip(np.append(0.0, best), -_WIDEST, _WIDEST))
 
 
 def _norm_below(M: np.ndarray, whole: np.ndarray, level: float) -> bool:
