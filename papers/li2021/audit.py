@@ -18,6 +18,7 @@ from gainsay.tables import Case
 from gainsay.verdicts.scan import plausible, scan
 from papers.li2021 import derivations_identities as identities
 from papers.li2021 import plant, response
+from papers.li2021.proofs_full_model import FLEXIBLE, torque_over_inputs
 from papers.li2021.proofs_requirements import COMPARISON, PRINTED
 from papers.li2021.response import FlexibleLoop
 from papers.li2021.statements import PLANT
@@ -152,18 +153,6 @@ def certify_nominal(case: Case, results: Results, name: str, norm: float, reach:
     ))  # fmt: skip
 
 
-FLEXIBLE = (
-    ("Cm", "2 * diag(" + ", ".join(
-        f"number('modal_damping_{i}') * number('modal_frequency_{i}')" for i in (1, 2, 3, 4)) + ")"),
-    ("Lambda", "diag(" + ", ".join(f"number('modal_frequency_{i}')**2" for i in (1, 2, 3, 4)) + ")"),
-    ("I7", "inverse([[J0, F.T], [F, eye(4)]])"),
-    ("acc", "I7 @ [[-G0, -D0, zeros(3, 4), zeros(3, 4)], [zeros(4, 3), -n * F @ turn, -Lambda, -Cm]]"),
-    ("Afl", "col(row(zeros(3, 3), eye(3), zeros(3, 8)), acc[0:3, 0:14], row(zeros(4, 10), eye(4)), acc[3:7, 0:14])"),
-    ("Bfl", "col(zeros(3, 3), I7[0:3, 0:3], zeros(4, 3), I7[3:7, 0:3])"),
-    ("loop", "[[Afl, Bfl @ Cf], [Bf @ row(eye(3), zeros(3, 11)), Af]]"),
-)  # fmt: skip
-
-
 @task("(6) with (8)")
 def flexible_loop(case: Case, results: Results) -> None:
     """The full model under the proposed gains: stable, but its modes lie outside the disk; both proved."""
@@ -292,25 +281,6 @@ def small_angles(case: Case, results: Results) -> None:
         results.quantity(f"audit.small_angle.{name}", gap(scale), source="(5), (6), Remark 1",
                          method="largest angle difference over the largest initial angle, no disturbance")  # fmt: skip
     results.say("(6), small angles", f"linear model off by {gap(1.0):.2%} of the start from Table 1's angles")
-
-
-@task("Figure 6, torque bound")
-def torque_over_inputs(case: Case, results: Results) -> None:
-    """Scan the torque bound over what the paper leaves out: phase of the variation, inertia, start of the modes."""
-    gains = plant.controller(case, "proposed")
-
-    def evaluate(inputs) -> float:
-        delta = response.INERTIAS[inputs["inertia_case"]]
-        loop = FlexibleLoop(case, gains, phase=inputs["variation_phase"], delta=delta, modes=inputs["modal_start"])
-        return loop.peak(loop.solve(20)).value
-
-    inputs = [plausible(case, name) for name in ("variation_phase", "inertia_case", "modal_start")]
-    found = scan(case, "audit.torque_over_inputs", inputs, evaluate)
-    results.scan(found)
-    ours = {one.name: (case.choice if one.values else case.number)(one.name) for one in inputs}
-    results.quantity("audit.torque_over_inputs", evaluate(ours),
-                     method="peak of the torque's norm, Table 1, full model", source="Figure 6")  # fmt: skip
-    results.say("Figure 6, torque bound", found.note)
 
 
 def residuals(case: Case, reading: str, name: str) -> np.ndarray:

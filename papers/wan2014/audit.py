@@ -30,15 +30,19 @@ RATE_ROUNDING = 1e-5
 
 @task("Section 4, n")
 def mean_motion(case: Case, results: Results) -> None:
-    """Compute n from the perigee radius and e; the enclosure spans the plausible values of mu."""
-    n = plant.target_orbit(case).mean_motion
-    a = plant.target_orbit(case).semi_major_axis
-    low, high = (float(end) * 1e9 for end in case.parameters["gravitational_parameter"].plausible.split(".."))
-    results.quantity(
-        "audit.mean_motion", n, method="sqrt(mu / a^3), a = r_p / (1 - e); range over the plausible mu",
-        source="Section 4", lower=(low / a**3) ** 0.5, upper=(high / a**3) ** 0.5,
+    """Enclose n from the perigee radius and e over every plausible gravitational parameter."""
+    low, high = case.parameters["gravitational_parameter"].plausible.split("..")
+    proved = build.certificate(
+        "enclosed", id="mean-motion", paper=case.name, tables=case,
+        statement=f"sqrt(mu / a^3), a = r_p / (1 - e), for every mu in {low}..{high} km^3/s^2.",
+        definitions=(("mu", f"interval({low}, {high}) * 10**9"),
+                     ("a", "number('perigee_radius') / (1 - number('eccentricity'))")),
+        fields={"formula": "sqrt(mu / a**3)"}, quantities={"value": "audit.mean_motion"},
     )  # fmt: skip
-    results.say("Section 4, n", f"n = {n:.6g} rad/s")
+    results.certificate(proved)
+    least, most = map(Fraction, str(proved.conclusions[-1].value).split(".."))
+    results.enclosed("audit.mean_motion", least, most, method="certificate mean-motion", source="Section 4")
+    results.say("Section 4, n", f"n = {float(least + most) / 2:.6g} rad/s")
 
 
 def observability_rank(A: fmpq_mat, C: fmpq_mat) -> int:
