@@ -11,6 +11,7 @@ import re
 import shutil
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -93,12 +94,14 @@ def doubled(row) -> str:
 
 
 def test_a_doubled_range_is_twice_as_wide():
-    rows = CASES["pinheiro2013"].parameters | CASES["li2021"].parameters | CASES["wan2014"].parameters
-    assert doubled(rows["modal_start"]) == "0.0..0.08"
-    assert doubled(rows["inertia_a_x"]) == "1.0..80.0"
-    assert doubled(rows["estimate_position_share"]) == "0..1"
-    low, high = map(float, doubled(rows["gravitational_parameter"]).split(".."))
-    assert high - low == pytest.approx(2.0, abs=1e-6)
+    def row(value: str, plausible: str, name: str = "x") -> SimpleNamespace:
+        return SimpleNamespace(name=name, type="number", value=value, plausible=plausible)
+
+    assert doubled(row("0", "0..0.04")) == "0.0..0.08"
+    assert doubled(row("7", "2..40")) == "1.0..80.0"  # of a positive quantity, by its logarithm
+    assert doubled(row("-1", "-2..1")) == "-3.0..3.0"
+    assert doubled(row("1", "0..1", "estimate_position_share")) == "0..1"
+    assert doubled(row("2", "2|3")) == "2|3"
 
 
 @pytest.mark.slow
