@@ -19,6 +19,7 @@ from gainsay.verdicts.scan import plausible, scan
 from papers.li2021 import derivations_identities as identities
 from papers.li2021 import plant, response
 from papers.li2021.proofs_full_model import FLEXIBLE, torque_over_inputs
+from papers.li2021.proofs_lemma3 import disk_of_lemma_3
 from papers.li2021.proofs_requirements import COMPARISON, PRINTED
 from papers.li2021.response import FlexibleLoop
 from papers.li2021.statements import PLANT
@@ -328,5 +329,6 @@ TASKS = (
     designs,
     small_angles,
     torque_over_inputs,
+    disk_of_lemma_3,
     random_gains,
 )

@@ -1,0 +1,90 @@
+"""Lemma 3 says more than (12) gives: gains that satisfy (12), and a pole outside the disk once the inertia is off.
+
+(A.1) treats e as zero. With e = Delta J q'' the loop (10) is (I + E_t Delta W_t) xi' = A_t xi, of which block (2,6) of
+(12), which is zero where a disk needs -E_t' P, knows nothing.
+"""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+from scipy.linalg import solve_discrete_lyapunov
+
+from gainsay.proof import build
+from gainsay.results import Results, task
+from gainsay.statements import Stated, prove
+from gainsay.tables import Case
+from papers.li2021 import plant
+from papers.li2021.statements import EQ12, LOOP, TABLES
+
+#: state feedback u = -(J0 - F'F) (k1 q + k2 q') of an observer with gains l1, l2: poles near -0.9, -0.4, -0.54, -1.9
+GAINS = {"k1": "0.36", "k2": "1.3", "l1": "2.44", "l2": "1.026"}
+CONTROLLER = {
+    "Af": "[[-l1 * eye(3), eye(3)], [-(l2 + k1) * eye(3), -k2 * eye(3)]]",
+    "Bf": "col(l1 * eye(3), l2 * eye(3))",
+    "Cf": "(J0 - F.T @ F) @ row(-k1 * eye(3), -k2 * eye(3))",
+}
+#: every moment of inertia 5 % low: delta = (-1, 1, -1), as Delta J2 is printed negative
+DELTA = (-1, 1, -1)
+LIGHT_PLANT = "A0 + L @ diag(1, 1, -1, -1, -1, -1, -1, -1, -1, -1, 1, 1) @ K"
+LIGHT = "inverse(eye(12) + E_t @ diag(-1, 1, -1) @ W_t) @ A_t"
+#: P = p x (J0 - F'F), a Kronecker product, found by a solver; the three axes are nearly alike and nearly apart
+SMALL_P = (
+    (313.3948, -162.8287, -311.9225, 167.527),
+    (-162.8287, 92.959, 161.7772, -95.3903),
+    (-311.9225, 161.7772, 311.327, -164.2522),
+    (167.527, -95.3903, -164.2522, 105.28),
+)
+#: lambda and gamma^2 at which (12) is met, and how far outside the pole is shown to lie, 1/s
+LAMBDA, GAMMA_SQUARED, REACH = "7", "10000", "1.003"
+
+
+def light_loop(case: Case) -> np.ndarray:
+    """State matrix (12, 12) of (10) with these gains and every inertia 5 % low, in doubles."""
+    k, k1, k2, l1, l2 = plant.constants(case), *(float(GAINS[name]) for name in ("k1", "k2", "l1", "l2"))
+    eye, kept = np.eye(3), np.diag(k.inertia) - k.coupling.T @ k.coupling
+    gains = SimpleNamespace(
+        A=np.block([[-l1 * eye, eye], [-(l2 + k1) * eye, -k2 * eye]]),
+        B=np.vstack([l1 * eye, l2 * eye]),
+        C=kept @ np.hstack([-k1 * eye, -k2 * eye]),
+    )
+    light = tuple(j + d * e for j, d, e in zip(k.inertia, DELTA, k.envelope, strict=True))
+    return plant.closed_loop(plant.rigid(replace(k, inertia=light)), gains)
+
+
+def lyapunov(case: Case) -> np.ndarray:
+    """P of (12), shape (12, 12)."""
+    k = plant.constants(case)
+    return np.kron(SMALL_P, np.diag(k.inertia) - k.coupling.T @ k.coupling)
+
+
+@task("Lemma 3")
+def disk_of_lemma_3(case: Case, results: Results) -> None:
+    """Prove that a loop satisfies (12) and has a pole outside D(a, b) with an inertia that the lemma allows."""
+    texts = {
+        **TABLES, **GAINS, **CONTROLLER, "A": LIGHT_PLANT, "Ad": "Af", "Bd": "Bf", "Cd": "Cf", **LOOP,
+        "lam": LAMBDA, "g": GAMMA_SQUARED,
+    }  # fmt: skip
+    stated = Stated(case, [EQ12.defining(**texts) < 0, "P > 0"], label="(12)")
+    prove(
+        results,
+        "lemma3.eq12",
+        stated,
+        stated.point({"P": lyapunov(case)}),
+        id="lemma3-eq12",
+        source="Lemma 3",
+        sentence=f"P > 0 that satisfies (12) with gains of ours at lambda = {LAMBDA}, gamma = 100",
+    )
+    radius = float(REACH)
+    moved = (light_loop(case) + case.number("disk_centre") * np.eye(12)) / radius
+    P = solve_discrete_lyapunov(moved.T, np.eye(12))
+    P = (P + P.T) / 2
+    results.certificate(build.certificate(
+        "unstable", id="lemma3-outside-disk", paper=case.name, tables=case,
+        statement=f"The loop of lemma3-eq12 has a pole outside D(1.01, {REACH}) where every inertia is 5 % low.",
+        definitions=stated.parts()["definitions"], fields={"matrix": LIGHT, "shift": "a", "radius": REACH},
+        witness={"P": P, "z": np.linalg.eigh(P)[1][:, 0]}, quantities={"radius": "lemma3.disk_reach"},
+    ))  # fmt: skip
+    reach, method = float(np.abs(np.linalg.eigvals(light_loop(case)) + case.number("disk_centre")).max()), "eigenvalues"
+    results.quantity("lemma3.disk_reach", reach, method=method, source="Lemma 3")
+    results.say("Lemma 3", f"gains with (12) at lambda = {LAMBDA}, and a pole {reach:.4f} from -a, inertia 5 % low")
