@@ -10,14 +10,15 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag
 
+from gainsay.errors import CertificateError
 from gainsay.systems.delay_spectrum import hinf_norm as delayed_norm
 from gainsay.systems.delay_spectrum import spectral_abscissa, unstable_root_count
 from gainsay.systems.norms import h2_norm, hinf_norm
 from gainsay.tables import Case, read_case
 from gainsay.verdicts.criterion import NUMERIC, criteria
+from papers.pinheiro2013 import audit, scans
 from papers.pinheiro2013 import conditions as mixed
 from papers.pinheiro2013 import conditions_pitch as pitch
-from papers.pinheiro2013 import scans
 from papers.pinheiro2013.plant import generalized_plant, linear_model, reconstruction
 from papers.zhang2013 import proofs
 from papers.zhang2013 import response as flight
@@ -150,6 +151,29 @@ def test_stiffness_over_all_plausible_inputs_can_be_lost():
     # By hand: a satellite at a thousand times the orbital rate has 3 n^2 p (Ix + Iz) = 17 N m against sqrt 2/100.
     n, share, moments = 1.2, 0.1, 40.0
     turns(PINHEIRO, "plausible.pitch_stiffness", [np.sqrt(2) / 100, np.sqrt(2) / 100 - 3 * n**2 * share * moments])
+
+
+class Silent:
+    """Results that keep nothing."""
+
+    def prove(self, certificate, **more) -> None:
+        pass
+
+    def say(self, *words) -> None:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("name", "printed", "other"),
+    [("ROTATION", "cf*st*sp - sf*cp", "cf*st*sp + sf*cp"), ("RATE", "[0, -sf, cf*ct]", "[0, sf, cf*ct]"),
+     ("LINEAR_RATE", "e*dpsi + n*e*phi", "e*dpsi - n*e*phi")],
+)  # fmt: skip
+def test_another_sign_in_a_formula_of_kinematics_is_refused(monkeypatch, name, printed, other):
+    # (2) is then no rotation, (3) not its rate, (6) not (5) for small angles.
+    assert printed in getattr(audit, name)
+    monkeypatch.setattr(audit, name, getattr(audit, name).replace(printed, other))
+    with pytest.raises(CertificateError):
+        audit.kinematics(PINHEIRO, Silent())
 
 
 # --- zhang2013 --------------------------------------------------------------------------------------------------------
