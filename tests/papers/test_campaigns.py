@@ -96,3 +96,51 @@ def test_the_loops_of_draws_are_the_exact_ones_within_their_bound():
             exact = plant.closed_loop(rigid, gains, f[:6], f[6:9], f[9:])
             away = exact - np.array([[Fraction(x) for x in line] for line in near])
             assert (np.abs(away.astype(float)) <= bound).all()
+
+
+@pytest.mark.slow
+def test_small_campaigns_agree_with_what_is_known_of_the_papers():
+    """(12) against the band of lambda and the least gamma that other certificates enclose, (23) against its signs."""
+    case = CASES["li2021"]
+    band = {key: float(value.floats[0, 0]) for key, value in case.designs["lambda_band"].matrices.items()}
+    least = float(case.recorded["lemma3.gamma_min"].value)
+    points = [
+        (1.0, 0.99 * least), (1.0, 1.01 * least), (0.98 * band["low_outside"], 10), (1.02 * band["low_inside"], 10),
+        (0.98 * band["high_inside"], 10), (1.02 * band["high_outside"], 10),
+    ]  # fmt: skip
+    from gainsay.campaigns.feasibility import certified
+    from papers.li2021.campaigns import equation_12
+
+    found = [
+        certified(equation_12(case, {"lambda": f"{lam:.6g}", "gamma": f"{gamma:.6g}"}), "x", "solution")[0]
+        for lam, gamma in points
+    ]
+    assert found == ["infeasible", "feasible", "infeasible", "feasible", "feasible", "infeasible"]
+    other = CASES["zhang2013"]
+    from papers.zhang2013.campaigns import equation_23
+
+    for edition, l1, outcomes in (
+        ("corrected", "0.12", {"feasible"}),
+        ("printed", "0.12", {"infeasible"}),
+        # block (4,4) needs lambda2 P22 > 0 and (3,3) lambda1 X > 0: none at a negative lambda1, proved or not said
+        ("corrected", "-0.12", {"infeasible", "undecided"}),
+    ):
+        assert certified(equation_23(edition)(other, {"lambda1": l1, "lambda2": "0.1"}), "x", "solution")[0] in outcomes
+
+
+@pytest.mark.slow
+def test_draws_are_those_that_floating_point_finds_where_it_is_far_from_the_border():
+    from gainsay.campaigns import Plan
+    from gainsay.systems.regions import HalfPlane
+    from papers.li2021.campaigns import CAMPAIGNS
+
+    case = CASES["li2021"]
+    plan = Plan(case, case.campaigns["random-gains"], CAMPAIGNS["random-gains"])
+    block = next(plan.blocks())
+    (counts,) = [plan.evaluation.count(plan.evaluation.block(case, block))]
+    factors = 1 + block.generator().random((block.size, 12))
+    for name in ("proposed", "comparison"):
+        reach = HalfPlane().reach(loops_of(case, name, factors)[0])
+        assert np.abs(reach).min() > 1e-8
+        assert counts[f"{name}_unresolved"] == 0
+        assert counts[f"{name}_unstable"] == int((reach > 0).sum())

@@ -67,6 +67,7 @@ rule campaign_chunk:
     resources:
         mem_mb=1500,
         runtime=60,
+        one_by_one=1,
     shell:
         "python -m gainsay.steps.campaign {wildcards.paper:q} {wildcards.name:q}"
         " --chunk $((10#{wildcards.number})) --digest {wildcards.digest:q}"
