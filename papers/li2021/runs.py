@@ -247,6 +247,7 @@ def _three(topic: str, fields) -> tuple[Line, ...]:
 
 #: what is shown at first: the transient, s
 _SHOWN = 60.0
+_VARIED = 10.0  # periods of a second
 LOOK = {
     "": "Look at: the angles while the gains are redrawn; what comes after the first minute is under Whole run.",
     "proposed": "Look at: angles and rates within the first minute, and the norm of the torque against u_max.",
@@ -276,7 +277,7 @@ LAYOUT = Layout("li2021", (
         Plot("Control torque, whole run [N m]", _three("/wheels/torque", AXES)),
     )),
     Tab("Gain variation", Rows(
-        Plot("Common gain variation [1]", until=_SHOWN,
+        Plot("Common gain variation [1]", until=_VARIED,
              lines=(Line("/controller/variation", "delta", "delta", "perturbed"),)),
     ), runs=PERIODIC),
     Tab("About", Columns(Text("About", ABOUT), EventLog())),

@@ -253,10 +253,12 @@ def test_printed_pages(browser, pages):
         pdf = base64.b64decode(browser.call("Page.printToPDF", preferCSSPageSize=True)["data"])
         count = len(re.findall(rb"/Type\s*/Page[^s]", pdf))
         assert 1 <= count <= MOST_PRINTED.get(page.parent.name, 30), (page, count)
-        # what is folded stays folded, and no table loses its head
+        # what is folded stays folded, no table loses its head, and none is wider than the sheet of 186 mm
+        browser.call("Emulation.setDeviceMetricsOverride", width=703, height=1000, deviceScaleFactor=1, mobile=False)
         browser.call("Emulation.setEmulatedMedia", media="print", features=[])
         assert browser.evaluate("[...document.querySelectorAll('thead')].every(e => e.getClientRects().length > 0 || "
                                 "!e.checkVisibility())")  # fmt: skip
+        assert browser.evaluate("document.documentElement.scrollWidth") <= 703, page
         browser.call("Emulation.setEmulatedMedia", media="", features=[])
 
 
