@@ -1,0 +1,106 @@
+"""The contour kind against closed forms; fields that a proof would pass over."""
+
+import numpy as np
+import pytest
+from scipy import linalg
+
+from tests.gainsay.proof_examples import SIMPLE, SYSTEM, A, I, make, proved, refused
+
+
+def test_contour_of_a_disk_reaches_the_exact_radius():
+    # (s + 1)(s + 2) + lambda = 0, |lambda| <= 1: |s + 1.5| is largest at lambda = -1, sqrt(1.25) = 1.1180...
+    p = linalg.solve_discrete_lyapunov(((A + 1.5 * I) / 1.12).T, I)
+    lft = {"A": SIMPLE, "H": "col(0, 1)", "Cz": "row(1, 0)", "blocks": [["full", 1, 1]], "arcs": ["0", "0.5", "1"]}
+    witness = {"P": p, "d": [["1"], ["1"]]}
+    certificate = make("contour", {**lft, "shift": "1.5", "radius": "1.12"}, witness)
+    assert proved(certificate) == {("radius", "less_than", "1.12"), ("stable", "holds", None)}
+    assert "arc 1" in refused("contour", {**lft, "shift": "1.5", "radius": "1.115"}, witness)
+    refused("contour", {**lft, "arcs": ["0", "0.5"], "shift": "1.5", "radius": "1.12"}, witness)
+    refused("contour", {**lft, "arcs": ["0", "0.5", "0.5", "1"], "shift": "1.5", "radius": "1.12"}, witness)
+    refused("contour", {**lft, "shift": "1.5", "radius": "1.12"}, {**witness, "d": [["1"], ["-1"]]})
+    refused("contour", {**lft, "shift": "1.5", "radius": "1.12"}, {**witness, "g": [["1"], ["0"]]})
+    assert "D - Dw' D Dw" in refused("contour", {**lft, "Dw": "1", "shift": "1.5", "radius": "1.12"}, witness)
+    refused("contour", {**lft, "arcs": ["0.25", "0.5", "1"], "shift": "1.5", "radius": "1.12"}, witness)
+
+
+def test_contour_needs_the_nominal_eigenvalues_inside():
+    # A = 1 stays away from the imaginary axis for |lambda| <= 1, on its wrong side
+    fields = {
+        "A": "1",
+        "H": "0.1",
+        "Cz": "1",
+        "blocks": [["repeated", 1]],
+        "arcs": ["0", "1"],
+        "alpha": "0",
+        "scale": "1",
+    }
+    make("contour", {**fields, "A": "-1"}, {"P": "1", "d": "1"})
+    assert "nominal" in refused("contour", fields, {"P": "1", "d": "1"})
+
+
+def test_contour_uses_that_a_parameter_is_real():
+    # x'' = -(1 + 0.9 lambda) x - 0.2 x' is stable for real |lambda| <= 1, not for complex (|M| > 1 near resonance)
+    plant = np.array([[0.0, 1.0], [-1.0, -0.2]])
+    p = linalg.solve_continuous_lyapunov(plant.T, -I)
+    fields = {
+        "A": "[[0, 1], [-1, -0.2]]",
+        "H": "col(0, 0.9)",
+        "Cz": "row(-1, 0)",
+        "blocks": [["repeated", 1]],
+        "arcs": ["0", "1"],
+        "alpha": "0",
+        "scale": "1",
+    }
+    witness = {"P": p, "d": [["1"]], "g": [["10"]]}
+    assert ("stable", "holds", None) in proved(make("contour", fields, witness))
+    refused("contour", fields, {**witness, "g": [["0"]]})
+    refused("contour", fields, {**witness, "g": [["-10"]]})
+    refused("contour", {**fields, "H": "col(0, 1.1)"}, witness)  # unstable at lambda = -1
+    refused("contour", {**fields, "blocks": [["full", 1, 1]]}, witness)
+
+
+def test_contour_bounds_a_norm_for_every_parameter():
+    # 1/(s^2 + 3 s + 2 + 0.1 lambda): largest norm 1/1.9 = 0.5263... at lambda = -1
+    p = linalg.solve_continuous_lyapunov(A.T, -2 * I)
+    lft = {"H": "col(0, 0.1)", "Cz": "row(1, 0)", "blocks": [["repeated", 1]], "arcs": ["0", "1"]}
+    fields = {**SYSTEM, **lft, "alpha": "0", "scale": "1", "gamma": "0.528"}
+    assert ("norm", "less_than", "0.528") in proved(make("contour", fields, {"P": p, "d": [["0.053"]]}))
+    refused("contour", {**fields, "gamma": "0.526"}, {"P": p, "d": [["0.053"]]})
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "witness", "named"),
+    [
+        # an uncertain system in the certificate, and a proof about the nominal one
+        ("quadratic_bound", {"A": SIMPLE, "Cz": "row(1, 0)", "blocks": [["repeated", 1]]}, {"P": I}, "'H'"),
+        ("quadratic_bound", {"A": SIMPLE, "Dw": "1"}, {"P": I}, "'H'"),
+        ("quadratic_bound", {"A": SIMPLE, "cost": "1"}, {"P": I}, "'x0'"),
+        ("unstable", {"matrix": SIMPLE, "alpha": "0", "shift": "1", "radius": "1"}, {"P": I}, "a line"),
+        ("unstable", {"matrix": SIMPLE, "shift": "1"}, {"P": I}, "'radius'"),
+        ("unstable", {"matrix": SIMPLE}, {"P": I}, "a line"),
+        ("eigenvalues", {"matrix": SIMPLE, "measure": "abscissa", "shift": "1"}, None, "'shift'"),
+        (
+            "eigenvalues",
+            {"matrix": SIMPLE, "measure": "radius", "shift": "1", "points": [["1", "0"]]},
+            None,
+            "'points'",
+        ),
+    ],
+)
+def test_fields_that_a_proof_would_pass_over_are_refused(kind, fields, witness, named):
+    assert named in refused(kind, fields, witness)
+
+
+@pytest.mark.parametrize(
+    ("extra", "named"),
+    [
+        ({"alpha": "0", "scale": "1", "shift": "1", "radius": "1"}, "half plane"),
+        ({"alpha": "0"}, "'scale'"),
+        ({}, "half plane"),
+        ({"alpha": "0", "scale": "1", "C": "row(1, 0)"}, "'gamma'"),
+        ({"alpha": "0", "scale": "1", "D": "1"}, "'gamma'"),
+    ],
+)
+def test_fields_that_a_contour_would_pass_over_are_refused(extra, named):
+    fields = {"A": SIMPLE, "H": "col(0, 1)", "Cz": "row(1, 0)", "blocks": [["repeated", 1]], "arcs": ["0", "1"]}
+    assert named in refused("contour", fields | extra, {"P": I, "d": [["1"]]})
