@@ -7,7 +7,7 @@ import numpy as np
 from gainsay.lmi import Solved
 from gainsay.proof import build
 from gainsay.results import task
-from gainsay.statements import Stated, read_constraint, symmetric
+from gainsay.statements import Stated, differing, identical, read_constraint, symmetric
 from gainsay.systems.spectrum import spectral_abscissa
 from papers.pinheiro2013 import proofs, statements
 from papers.pinheiro2013.plant import RECONSTRUCTIONS, generalized_plant, linear_model, reconstruction
@@ -29,38 +29,23 @@ MEETING = {
 LINEAR_RATE = "[[e*dphi - n*e*psi], [e*dtheta - n], [e*dpsi + n*e*phi]]"
 
 
-def _names(text: str) -> dict[str, dict]:
-    return {name: {} for name in text.split()}
-
-
-def _identity(case, results, quantity: str, statement: str, names: str, left: str, right: str, **more) -> None:
-    """Certify that two formulas agree for all values of their letters and record it."""
-    certificate = build.certificate(
-        "identity", id=quantity.replace(".", "-").replace("_", "-"), paper=case.name, tables=case, statement=statement,
-        unknowns=_names(names), definitions=more.get("definitions", {}),
-        witness={name: MEETING.get(name, "1") for name in names.split()} if "modulo" in more else {},
-        fields={"left": left, "right": right} | ({"modulo": more["modulo"]} if "modulo" in more else {}),
-        quantities={"identity": quantity},
-    )  # fmt: skip
-    results.prove(certificate, source=more.get("source", ""))
-
-
-def _different(case, results, quantity: str, statement: str, left: str, right: str, witness: dict, source: str) -> None:
-    """Certify that two formulas differ at the witness and record it."""
-    certificate = build.certificate(
-        "different", id=quantity.replace(".", "-").replace("_", "-"), paper=case.name, tables=case, statement=statement,
-        unknowns=_names(" ".join(witness)), witness=witness, fields={"left": left, "right": right},
-        quantities={"identity": quantity},
-    )  # fmt: skip
-    results.prove(certificate, source=source)
-
-
 @task("(1) to (8)")
 def kinematics(case, results):
     """Prove the rotation, the rates and the linearisations."""
     trigonometry = "cf sf ct st cp sp"
-    _identity(case, results, "eq2.rotation", "The matrix of (2) is orthogonal for all angles.", trigonometry,
-              f"({ROTATION})@({ROTATION}).T", "eye(3)", modulo=CIRCLES, source="(2)")  # fmt: skip
+    results.prove(
+        identical(
+            case,
+            "eq2.rotation",
+            "The matrix of (2) is orthogonal for all angles.",
+            f"({ROTATION})@({ROTATION}).T",
+            "eye(3)",
+            trigonometry,
+            modulo=CIRCLES,
+            at=MEETING,
+        ),
+        source="(2)",
+    )
     rates = "[[dphi], [dtheta], [dpsi]]"
     turned = {
         "c": f"({ROTATION})", "w": f"({RATE})@{rates}",
@@ -71,22 +56,63 @@ def kinematics(case, results):
         moved = moved.replace(f"s{letter}", f"(S{letter} + e*C{letter}*d{angle})")
         moved = moved.replace(f"c{letter}", f"(C{letter} - e*S{letter}*d{angle})")
     moved = moved.replace("S", "s").replace("C", "c")
-    _identity(case, results, "eq3.kinematics", "With (3) the matrix C of (2) obeys dC/dt = -[omega x] C.",
-              f"{trigonometry} dphi dtheta dpsi e", moved, "c - e*cross@c", definitions=turned,
-              modulo=["e**2", *CIRCLES], source="(3)")  # fmt: skip
+    results.prove(
+        identical(
+            case,
+            "eq3.kinematics",
+            "With (3) the matrix C of (2) obeys dC/dt = -[omega x] C.",
+            moved,
+            "c - e*cross@c",
+            f"{trigonometry} dphi dtheta dpsi e",
+            definitions=turned,
+            modulo=["e**2", *CIRCLES],
+            at=MEETING,
+        ),
+        source="(3)",
+    )
     five = f"({RATE})@{rates} - n*[[ct*sp], [sf*st*sp + cf*cp], [cf*st*sp - sf*cp]]"
-    _identity(case, results, "eq5.kinematics", "(5) is (4): the rate of (3) less n times the second column of (2).",
-              f"{trigonometry} dphi dtheta dpsi n", five, f"({RATE})@{rates} - n*({ROTATION})[0:3, 1:2]",
-              source="(5)")  # fmt: skip
+    results.prove(
+        identical(
+            case,
+            "eq5.kinematics",
+            "(5) is (4): the rate of (3) less n times the second column of (2).",
+            five,
+            f"({RATE})@{rates} - n*({ROTATION})[0:3, 1:2]",
+            f"{trigonometry} dphi dtheta dpsi n",
+        ),
+        source="(5)",
+    )
     small = "e phi theta psi"
-    _identity(case, results, "eq6.linear", "(6) is (5) to first order in angles and rates.",
-              f"{small} dphi dtheta dpsi n", five.replace(rates, f"(e*{rates})"), LINEAR_RATE,
-              definitions=FIRST_ORDER, modulo=["e**2"], source="(6)")  # fmt: skip
+    results.prove(
+        identical(
+            case,
+            "eq6.linear",
+            "(6) is (5) to first order in angles and rates.",
+            five.replace(rates, f"(e*{rates})"),
+            LINEAR_RATE,
+            f"{small} dphi dtheta dpsi n",
+            definitions=FIRST_ORDER,
+            modulo=["e**2"],
+            at=MEETING,
+        ),
+        source="(6)",
+    )
     nadir = {**FIRST_ORDER, "a": "[[-st], [sf*ct], [cf*ct]]", "ax": "a[0, 0]", "ay": "a[1, 0]", "az": "a[2, 0]"}
     torque = "3*n**2*[[(Iz - Iy)*ay*az], [(Ix - Iz)*az*ax], [(Iy - Ix)*ax*ay]]"
-    _identity(case, results, "eq7.linear", "(7) is the gravity-gradient torque 3 n^2 a3 x (I a3) to first order.",
-              f"{small} n Ix Iy Iz", torque, "3*n**2*e*[[(Iz - Iy)*phi], [(Iz - Ix)*theta], [0]]",
-              definitions=nadir, modulo=["e**2"], source="(7)")  # fmt: skip
+    results.prove(
+        identical(
+            case,
+            "eq7.linear",
+            "(7) is the gravity-gradient torque 3 n^2 a3 x (I a3) to first order.",
+            torque,
+            "3*n**2*e*[[(Iz - Iy)*phi], [(Iz - Ix)*theta], [0]]",
+            f"{small} n Ix Iy Iz",
+            definitions=nadir,
+            modulo=["e**2"],
+            at=MEETING,
+        ),
+        source="(7)",
+    )
     motion = {
         "wx": "e*dphi - n*e*psi", "wy": "e*dtheta - n", "wz": "e*dpsi + n*e*phi",
         "dwx": "e*ddphi - n*e*dpsi", "dwy": "e*ddtheta", "dwz": "e*ddpsi + n*e*dphi",
@@ -99,9 +125,20 @@ def kinematics(case, results):
         "e*[[Ix*ddphi - n*(Ix - Iy + Iz)*dpsi + 4*n**2*(Iy - Iz)*phi], [Iy*ddtheta + 3*n**2*(Ix - Iz)*theta],"
         " [Iz*ddpsi + n*(Ix - Iy + Iz)*dphi + n**2*(Iy - Ix)*psi]]"
     )
-    _identity(case, results, "eq8.linear", "(8) is (1) with (6) and (7), to first order.",
-              f"{small} dphi dtheta dpsi ddphi ddtheta ddpsi n Ix Iy Iz", euler, eight,
-              definitions=motion, modulo=["e**2"], source="(8)")  # fmt: skip
+    results.prove(
+        identical(
+            case,
+            "eq8.linear",
+            "(8) is (1) with (6) and (7), to first order.",
+            euler,
+            eight,
+            f"{small} dphi dtheta dpsi ddphi ddtheta ddpsi n Ix Iy Iz",
+            definitions=motion,
+            modulo=["e**2"],
+            at=MEETING,
+        ),
+        source="(8)",
+    )
     results.say("(1) to (8)", "rotation, rates and linearisations proved as printed")
 
 
@@ -110,10 +147,30 @@ def transformations(case, results):
     """Prove or refute the linear fractional transformations of one block each, and (18); v stands for 1/I."""
     names, exact = "I v p d", "(I + p*d)"
     relation, point = ["I*v - 1"], {"I": "2", "v": "1/2", "p": "1/2", "d": "1"}
-    _different(case, results, "eq13.printed", "With (1 + delta/I)^-1 the second line of (13) is not 1/(I + p delta).",
-               f"(v*(1 + v*d) - p*v*d*v)*{exact}", "1 + v*d", point, "(13)")  # fmt: skip
-    _identity(case, results, "eq13.corrected", "With (1 + p delta/I)^-1 the second line of (13) is 1/(I + p delta).",
-              names, f"(v*(1 + p*v*d) - p*v*d*v)*{exact}", "1 + p*v*d", modulo=relation, source="(13)")  # fmt: skip
+    results.prove(
+        differing(
+            case,
+            "eq13.printed",
+            "With (1 + delta/I)^-1 the second line of (13) is not 1/(I + p delta).",
+            f"(v*(1 + v*d) - p*v*d*v)*{exact}",
+            "1 + v*d",
+            at=point,
+        ),
+        source="(13)",
+    )
+    results.prove(
+        identical(
+            case,
+            "eq13.corrected",
+            "With (1 + p delta/I)^-1 the second line of (13) is 1/(I + p delta).",
+            f"(v*(1 + p*v*d) - p*v*d*v)*{exact}",
+            "1 + p*v*d",
+            names,
+            modulo=relation,
+            at=MEETING,
+        ),
+        source="(13)",
+    )
     closed = "M22*(1 - M11*d) + M21*d*M12"
     blocks = {"M11": "-p*v", "M12": "v", "M22": "v"}
 
@@ -123,24 +180,70 @@ def transformations(case, results):
             text = text.replace(name, f"({value})")
         return text
 
-    _different(case, results, "eq14.printed", "The block M1 printed in (14) does not give 1/(I + p delta) in (9).",
-               f"({put(closed, '')})*{exact}", put("1 - M11*d", ""), point, "(14)")  # fmt: skip
-    _identity(case, results, "eq14.corrected", "M1 with -p/I in M21 gives 1/(I + p delta) in (9).",
-              names, f"({put(closed, '-')})*{exact}", put("1 - M11*d", "-"), modulo=relation,
-              source="(14)")  # fmt: skip
-    _identity(case, results, "eq15.products", "M2 and M3 give 3 n^2 I x and -3 n^2 I x in (9).", "n I p d",
-              "[[3*n**2*I + 3*n**2*p*d*1], [-3*n**2*I + 3*n**2*p*d*(-1)]]",
-              "[[3*n**2*(I + p*d)], [-3*n**2*(I + p*d)]]", source="(15)")  # fmt: skip
-    _different(case, results, "eq17.torque_sign", "The coefficient -1/Iy of d and u in (17), (18) is not that of (12).",
-               "-v", "v", {"v": "1/2"}, "(12), (17), (18)")  # fmt: skip
+    results.prove(
+        differing(
+            case,
+            "eq14.printed",
+            "The block M1 printed in (14) does not give 1/(I + p delta) in (9).",
+            f"({put(closed, '')})*{exact}",
+            put("1 - M11*d", ""),
+            at=point,
+        ),
+        source="(14)",
+    )
+    results.prove(
+        identical(
+            case,
+            "eq14.corrected",
+            "M1 with -p/I in M21 gives 1/(I + p delta) in (9).",
+            f"({put(closed, '-')})*{exact}",
+            put("1 - M11*d", "-"),
+            names,
+            modulo=relation,
+            at=MEETING,
+        ),
+        source="(14)",
+    )
+    results.prove(
+        identical(
+            case,
+            "eq15.products",
+            "M2 and M3 give 3 n^2 I x and -3 n^2 I x in (9).",
+            "[[3*n**2*I + 3*n**2*p*d*1], [-3*n**2*I + 3*n**2*p*d*(-1)]]",
+            "[[3*n**2*(I + p*d)], [-3*n**2*(I + p*d)]]",
+            "n I p d",
+        ),
+        source="(15)",
+    )
+    results.prove(
+        differing(
+            case,
+            "eq17.torque_sign",
+            "The coefficient -1/Iy of d and u in (17), (18) is not that of (12).",
+            "-v",
+            "v",
+            at={"v": "1/2"},
+        ),
+        source="(12), (17), (18)",
+    )
     # w1 = delta_y z1 with z1 the acceleration itself, w2 = delta_x theta, w3 = -delta_z theta.
     eighteen = (
         "-3*n**2*(Ix - Iz)*v*theta - py*v*(dy*ddtheta) - 3*n**2*px*v*(dx*theta) - 3*n**2*pz*v*(-dz*theta) + v*d + v*u"
     )
     twelve = "u + d - 3*n**2*((Ix + px*dx) - (Iz + pz*dz))*theta"
-    _identity(case, results, "eq18.closed", "(18) with +1/Iy, its uncertainty loop closed, is (12) with (11).",
-              "Ix Iy Iz v px py pz dx dy dz n theta ddtheta u d", f"Iy*(ddtheta - ({eighteen}))",
-              f"(Iy + py*dy)*ddtheta - ({twelve})", modulo=["Iy*v - 1"], source="(11), (12), (18)")  # fmt: skip
+    results.prove(
+        identical(
+            case,
+            "eq18.closed",
+            "(18) with +1/Iy, its uncertainty loop closed, is (12) with (11).",
+            f"Iy*(ddtheta - ({eighteen}))",
+            f"(Iy + py*dy)*ddtheta - ({twelve})",
+            "Ix Iy Iz v px py pz dx dy dz n theta ddtheta u d",
+            modulo=["Iy*v - 1"],
+            at=MEETING,
+        ),
+        source="(11), (12), (18)",
+    )
     results.say("(13) to (18)", "two blocks and a sign refuted as printed, proved as corrected; (18) proved")
 
 

@@ -14,6 +14,7 @@ from gainsay.exact.ball import precision
 from gainsay.proof import Certificate, build
 from gainsay.results import Results, task
 from gainsay.simulation.ode import integrate
+from gainsay.statements import identical
 from gainsay.systems.pole_sets import match_poles, pole_clusters
 from gainsay.tables import Case
 from papers.wan2014 import plant
@@ -81,14 +82,14 @@ def observability(case: Case, results: Results) -> None:
 @task("(3), (42)")
 def factorisation(case: Case, results: Results) -> None:
     """Prove Delta A = E1 Lambda E2 for every e, n and M, and that Lambda' Lambda < I fails."""
-    results.certificate(
-        build.certificate(
-            "identity",
-            id="eq3-factorisation",
-            paper=case.name,
-            tables=case,
-            statement="Delta A of (2) equals E1 Lambda E2 of (42) for every e, n and M (s = sin M, c = cos M).",
-            unknowns={"e": {}, "n": {}, "s": {}, "c": {}},
+    results.prove(
+        identical(
+            case,
+            "eq3.factorisation",
+            "Delta A of (2) equals E1 Lambda E2 of (42) for every e, n and M (s = sin M, c = cos M).",
+            "Delta",
+            "E1 @ Lambda @ E2",
+            "e n s c",
             definitions=(
                 ("E1", "printed('E1_over_e') * e"),
                 ("P", "printed('E2_coefficient')"),
@@ -101,12 +102,8 @@ def factorisation(case: Case, results: Results) -> None:
                 ("row_z", "[[0, 0, -3*e*n**2*c, 0, 0, 0]]"),
                 ("Delta", "col(zeros(3, 6), row_x, row_y, row_z)"),
             ),
-            fields={"left": "Delta", "right": "E1 @ Lambda @ E2"},
-            quantities={"identity": "eq3.factorisation"},
-        )
-    )
-    results.quantity(
-        "eq3.factorisation", 1, method="polynomial identity in e, n, sin M, cos M", source="(2), (3), (42)"
+        ),
+        source="(2), (3), (42)",
     )
     results.certificate(
         build.certificate(
@@ -319,14 +316,14 @@ def first_order(case: Case, results: Results) -> None:
     """Prove that (2) is the linearised motion about an elliptic orbit to first order in e."""
     w, a = "rate", "acceleration"
     results.prove(
-        build.certificate(
-            "identity",
-            id="eq2-first-order",
-            paper=case.name,
-            tables=case,
-            statement="The rows of the accelerations in A + Delta A of (2) are those of the motion linearised about an "
+        identical(
+            case,
+            "eq2.first_order",
+            "The rows of the accelerations in A + Delta A of (2) are those of the motion linearised about an "
             "elliptic orbit, to first order in e (s = sin M, c = cos M).",
-            unknowns={"e": {}, "n": {}, "s": {}, "c": {}},
+            "col(row_x, row_y, row_z)",
+            f"col([[{w}**2 + 2*g, {a}, 0, 0, 2*{w}, 0]], [[-{a}, {w}**2 - g, 0, -2*{w}, 0, 0]], [[0, 0, -g, 0, 0, 0]])",
+            "e n s c",
             definitions=(
                 # r = a (1 - e c); g = mu / r^3; rate of the true anomaly n (a/r)^2, its derivative -2 e n^2 s
                 ("inverse_radius", "1 + e*c"),
@@ -337,14 +334,8 @@ def first_order(case: Case, results: Results) -> None:
                 ("row_y", "[[2*e*n**2*s, e*n**2*c, 0, -2*n - 4*e*n*c, 0, 0]]"),
                 ("row_z", "[[0, 0, -n**2 - 3*e*n**2*c, 0, 0, 0]]"),
             ),
-            fields={
-                "left": "col(row_x, row_y, row_z)",
-                "right": f"col([[{w}**2 + 2*g, {a}, 0, 0, 2*{w}, 0]], [[-{a}, {w}**2 - g, 0, -2*{w}, 0, 0]], "
-                "[[0, 0, -g, 0, 0, 0]])",
-                "modulo": ["e**2"],
-            },
-            witness={"e": "0", "n": "1", "s": "0", "c": "1"},
-            quantities={"identity": "eq2.first_order"},
+            modulo=["e**2"],
+            at={"e": "0", "s": "0"},
             faith=("That r = a (1 - e cos M) to first order in e, from Kepler's equation.",),
         ),
         source="(2)",

@@ -3,8 +3,18 @@
 import re
 from typing import Any
 
-from gainsay.proof import Certificate, build
-from gainsay.statements import Statement, Step, implication, matrix, positive, read_constraint, symmetric
+from gainsay.proof import Certificate
+from gainsay.statements import (
+    Statement,
+    Step,
+    identical,
+    implication,
+    matrix,
+    positive,
+    read_constraint,
+    scalar,
+    symmetric,
+)
 from gainsay.tables import Case
 from papers.wan2014.statements import (
     EQ14,
@@ -58,20 +68,26 @@ def _same(statement: Statement, size: str) -> Step:
 
 def error_dynamics(case: Case) -> Certificate:
     """(9): (1) less (7) with (6), and (11): (10) put into (1)."""
-    shapes = {"x": [6, 1], "xh": [6, 1], "u": [3, 1], "DA": [6, 6], "A": [6, 6], "L": [6, 3], "C": [3, 6], "K": [3, 6]}
-    return build.certificate(
-        "identity",
-        id="eq9-eq11",
-        paper=case.name,
-        tables=case,
-        statement="(1) less (7) with (6) is (9), and (10) put into (1) is (11), for all matrices.",
-        unknowns={name: {"shape": shape, "structure": "full"} for name, shape in shapes.items()} | {"mass": {}},
-        definitions={"B": "col(zeros(3,3), eye(3)*mass)", "e": "x - xh"},
-        fields={
-            "left": "col((A + DA)@x + B@u - (A@xh + B@u + L@(C@x - C@xh)), (A + DA)@x - B@(K@xh))",
-            "right": "col((A - L@C)@e + DA@x, (A + DA - B@K)@x + B@K@e)",
+    six, three = matrix(6, 1), matrix(3, 1)
+    return identical(
+        case,
+        "derivation.eq9_eq11",
+        "(1) less (7) with (6) is (9), and (10) put into (1) is (11), for all matrices.",
+        "col((A + DA)@x + B@u - (A@xh + B@u + L@(C@x - C@xh)), (A + DA)@x - B@(K@xh))",
+        "col((A - L@C)@e + DA@x, (A + DA - B@K)@x + B@K@e)",
+        {
+            "x": six,
+            "xh": six,
+            "u": three,
+            "DA": matrix(6, 6),
+            "A": matrix(6, 6),
+            "L": matrix(6, 3),
+            "C": matrix(3, 6),
+            "K": matrix(3, 6),
+            "mass": scalar(),
         },
-        quantities={"identity": "derivation.eq9_eq11"},
+        id="eq9-eq11",
+        definitions={"B": "col(zeros(3,3), eye(3)*mass)", "e": "x - xh"},
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from gainsay.exact.rational import shorten
 from gainsay.proof import Certificate, build
 from gainsay.results import Results
-from gainsay.statements import Stated, matrix, scalar, symmetric
+from gainsay.statements import Stated, identical, matrix, scalar, symmetric
 from gainsay.tables import Case
 from papers.wan2014.plant import AXES
 from papers.wan2014.statements import EQ14, EQ29, OBSERVER, SYSTEM, closed_loop, farkas_multipliers
@@ -117,19 +117,15 @@ def thrust_certificate(
 
 def input_counted_twice(case: Case) -> Certificate:
     """Prove that the two input columns of (14) give 2 K'RK where (24) has K'RK."""
-    return build.certificate(
-        "identity",
+    return identical(
+        case,
+        "eq14.input_counted_twice",
+        "The Schur complement of the input columns of (14) is twice the term [K, -K]' R [K, -K] of (24).",
+        "[[K.T, -K.T], [-K.T, K.T]] @ diag(R, R) @ [[K.T, -K.T], [-K.T, K.T]].T",
+        "2*(column @ R @ column.T)",
+        {"K": matrix(3, 6), "R": symmetric(3)},
         id="eq14-input-twice",
-        paper=case.name,
-        statement="The Schur complement of the input columns of (14) is twice the term [K, -K]' R [K, -K] of (24).",
-        tables=case,
-        unknowns={"K": GAIN, "R": {"shape": [3, 3], "structure": "symmetric"}},
         definitions={"column": "[[K.T], [-K.T]]"},
-        fields={
-            "left": "[[K.T, -K.T], [-K.T, K.T]] @ diag(R, R) @ [[K.T, -K.T], [-K.T, K.T]].T",
-            "right": "2*(column @ R @ column.T)",
-        },
-        quantities={"identity": "eq14.input_counted_twice"},
     )
 
 
@@ -149,20 +145,16 @@ def infeasible_29(case: Case) -> Certificate:
 
 def empty_row_14(case: Case) -> Certificate:
     """Prove that block row 4 of (14) says only eps > 0: beside -eps I it holds zeros."""
-    parts = Stated(case, [EQ14 < 0]).parts()
-    return build.certificate(
-        "identity",
+    stated = Stated(case, [EQ14 < 0])
+    return identical(
+        case,
+        "eq14.row_4_empty",
+        "In (14) block row 4 holds nothing but -eps I: its off-diagonal blocks are zero.",
+        f"({EQ14.formula})[18:24,0:36]",
+        "row(zeros(6,18), -eps*eye(6), zeros(6,12))",
+        stated.unknowns,
         id="eq14-empty-row",
-        paper=case.name,
-        statement="In (14) block row 4 holds nothing but -eps I: its off-diagonal blocks are zero.",
-        quantities={"identity": "eq14.row_4_empty"},
-        **{
-            **parts,
-            "fields": {
-                "left": f"({EQ14.formula})[18:24,0:36]",
-                "right": "row(zeros(6,18), -eps*eye(6), zeros(6,12))",
-            },
-        },
+        definitions=stated.parts()["definitions"],
     )
 
 

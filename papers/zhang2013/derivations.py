@@ -1,9 +1,8 @@
 """The derivations of zhang2013, step by step, as identities: (2), (5), (7), Lemma 1, (12) to (22)."""
 
 from gainsay.results import Results, task
-from gainsay.statements import Statement, Step, implication, matrix, scalar
+from gainsay.statements import Statement, Step, differing, identical, implication, matrix, scalar
 from gainsay.tables import Case
-from papers.zhang2013.proofs import differing, identical
 from papers.zhang2013.statements import PARTS, PRINTED_LOOP, equation_9, functional
 
 ETA = ("z", "z'", "z_d", "z_M")
@@ -65,12 +64,12 @@ def model(case: Case, results: Results) -> None:
     results.prove(
         identical(
             case,
-            "eq2",
+            "eq2.identity",
             "Eliminating eta'' from (1) gives (2).",
             "J * a + F @ (-q - F.T * a) - u - w",
             "(J - F @ F.T) * a - (F @ q + u + w)",
             {"J": number, "a": number, "u": number, "w": number, "F": matrix(1, 2), "q": pair},
-            "eq2.identity",
+            id="eq2",
         ),
         source="(2)",
     )
@@ -79,12 +78,12 @@ def model(case: Case, results: Results) -> None:
     results.prove(
         identical(
             case,
-            "eq5",
+            "eq5.identity",
             "(3) and (4) give (5), the observer being fed the torque that is applied.",
             f"w2rate + L @ B @ (p + L @ x) + L @ (A @ x + B * u) - L @ {rate}",
             "w2rate - L @ B @ (w2 - p - L @ x) - L @ B * w1",
             unknowns | dict.fromkeys(("u", "w1", "w2", "w2rate", "p"), number),
-            "eq5.identity",
+            id="eq5",
         ),
         source="(5)",
     )
@@ -93,24 +92,24 @@ def model(case: Case, results: Results) -> None:
     results.prove(
         identical(
             case,
-            "eq7",
+            "eq7.identity",
             "(3) with (6), its estimate not delayed, gives the first rows of (7).",
             "A @ x + B @ (-(w2 - e) + K @ xd) + B * w1 + B * w2",
             "A @ x + B * e + B @ K @ xd + B * w1",
             unknowns,
-            "eq7.identity",
+            id="eq7",
         ),
         source="(7)",
     )
     results.prove(
         differing(
             case,
-            "eq7-input-delay",
+            "eq7.input_delayed_identity",
             "With the whole input delayed, as the name u(t - d(t)) would have it, (7) does not follow.",
             "A @ x + B @ (-(w2d - ed) + K @ xd) + B * w1 + B * w2",
             "A @ x + B * e + B @ K @ xd + B * w1",
             unknowns | dict.fromkeys(("w2d", "ed"), number),
-            quantity="eq7.input_delayed_identity",
+            id="eq7-input-delay",
         ),
         source="(6), (7)",
     )
@@ -124,7 +123,7 @@ def lemma(case: Case, results: Results) -> None:
     results.prove(
         identical(
             case,
-            "lemma1",
+            "lemma1.holds",
             "With s = d - d_m and r = d_M - d, the two differences of Lemma 1 times s r (s + r) are "
             "D1 = W1 r (r - 2 s) + W2 s^2 and D2 = W1 r^2 + W2 s (s - 2 r), and (2 r - s) D1 + s D2 = "
             "2 r (r - s)^2 W1 >= 0. So not both are negative where s < 2 r; and D2 >= 0 where s >= 2 r.",
@@ -132,7 +131,7 @@ def lemma(case: Case, results: Results) -> None:
             f"(s + r) * (r * W1 + s * W2) - s * r * (W1 + 3 * W2) - {second}, (2 * r - s) * {first} + s * {second})",
             "diag(0, 0, 2 * r * (r - s) ** 2 * W1)",
             dict.fromkeys(("s", "r", "W1", "W2"), scalar()),
-            "lemma1.holds",
+            id="lemma1",
             faith=(
                 "That s, r, W1 and W2 are not negative and s + r > 0 in Lemma 1.",
                 "The step from the identities to Lemma 1: for s < 2 r a sum of D1 and D2 with weights 2 r - s > 0 and "
@@ -147,12 +146,12 @@ def lemma(case: Case, results: Results) -> None:
         results.prove(
             identical(
                 case,
-                f"eq{label[1:3]}",
+                f"eq{label[1:3]}.identity",
                 f"{label} holds for every z(t), z(t - d), z(t - d_M) and R (times d_M).",
                 f"-({first} * {W1} + {second} * {W2})",
                 f"col(z, zd, zM).T @ {jensen(label, first, second).formula} @ col(z, zd, zM)",
                 unknowns,
-                f"eq{label[1:3]}.identity",
+                id=f"eq{label[1:3]}",
             ),
             source=label,
         )
@@ -169,14 +168,14 @@ def derivative(case: Case, results: Results) -> None:
         results.prove(
             identical(
                 case,
-                name,
+                f"{name}.identity",
                 f"The derivative (12) without its integral is the quadratic form of {equation.label} ({UNIT_NOTE}).",
                 RATE.format(w=term),
                 f"{vector}.T @ {equation.formula} @ {vector}",
                 FREE_LOOP | (VECTORS if term else STATES),
-                f"{name}.identity",
-                TIME_UNIT,
-                UNIT_ON_FAITH,
+                id=name,
+                definitions=TIME_UNIT,
+                faith=UNIT_ON_FAITH,
             ),
             source=equation.label,
         )
@@ -185,25 +184,26 @@ def derivative(case: Case, results: Results) -> None:
         results.prove(
             identical(
                 case,
-                f"eq{number}",
+                f"eq{number}.identity",
                 f"The leading part of (9{part}) is the left side of ({number}) ({UNIT_NOTE}).",
                 f"col(z, v, zd, zM).T @ {equation_9(part, {}).sub(*ETA).formula} @ col(z, v, zd, zM)",
                 f"{RATE.format(w='')} - {first} * {W1} - {second} * {W2}",
                 FREE_LOOP | STATES,
-                f"eq{number}.identity",
-                TIME_UNIT,
-                UNIT_ON_FAITH,
+                id=f"eq{number}",
+                definitions=TIME_UNIT,
+                faith=UNIT_ON_FAITH,
             ),
             source=f"(9{part}), ({number})",
         )
     results.certificate(
         differing(
             case,
-            "eq12-equality",
+            "",
             "The term of Q2 weighs 1 - d'(t), which is 1 - mu for d'(t) = mu alone: (12) is an inequality.",
             "(1 - rate) * zd.T @ Q2 @ zd",
             "(1 - mu) * zd.T @ Q2 @ zd",
             {"rate": scalar(), "mu": scalar(), "Q2": FREE_LOOP["Q2"], "zd": VECTORS["zd"]},
+            id="eq12-equality",
         )
     )
     unknowns = {**{name: FREE_LOOP[name] for name in ("C_z", "C_d", "g")}, **VECTORS}
@@ -212,33 +212,35 @@ def derivative(case: Case, results: Results) -> None:
     results.prove(
         identical(
             case,
-            "eq21",
+            "eq21.identity",
             "(21) holds with Y = [C 0 0 0 C_d].",
             "(C_z @ z + C_d @ w) ** 2 - g * w.T @ w",
             f"{phi}.T @ (diag(zeros(12, 12), -g * eye(2)) + {output}.T @ {output}) @ {phi}",
             unknowns,
-            "eq21.identity",
+            id="eq21",
         ),
         source="(21)",
     )
     results.certificate(
         differing(
             case,
-            "eq21-printed",
+            "",
             "The printed Y = [C 0 0 C_d] has one block less than phi: its row is 11 long, phi 14.",
             "row(C_z, zeros(1, 3), zeros(1, 3), C_d)",
             output,
             unknowns,
+            id="eq21-printed",
         )
     )
     results.certificate(
         differing(
             case,
-            "eq12-printed",
+            "",
             "The printed d_M x' ' R x' weighs 2 entries with a 3 x 3 matrix.",
             "take(R, [0, 1], [0, 1])",
             "R",
             {"R": FREE_LOOP["R"]},
+            id="eq12-printed",
         )
     )
 

@@ -1,9 +1,8 @@
 """Certificates of what (23), (24) and (26) of zhang2013 print wrongly, against the congruence of (9) under (25)."""
 
 from gainsay.proof import Certificate
-from gainsay.statements import Statement, matrix
+from gainsay.statements import Statement, differing, identical, matrix
 from gainsay.tables import Case
-from papers.zhang2013.proofs import differing, identical
 from papers.zhang2013.statements import (
     LAMBDAS,
     OFFSETS,
@@ -40,13 +39,13 @@ def corrected_form(case: Case) -> Certificate:
     """(26) with its corrections is (9) under (25), whatever the unknowns, K, L, lambda1, lambda2."""
     return identical(
         case,
-        "eq26-corrected",
+        "theorem2.corrected_form",
         "(26a), (26b) with five blocks corrected are (9a), (9b) under (25), identically in every unknown.",
         both(_nine),
         both(corrected_26),
         UNKNOWNS_26,
-        "theorem2.corrected_form",
-        {**ANY_LOOP, **STRUCTURE},
+        id="eq26-corrected",
+        definitions={**ANY_LOOP, **STRUCTURE},
     )
 
 
@@ -77,12 +76,13 @@ def differing_block(case: Case, row: str, column: str) -> Certificate:
     here = f"[{a}:{a + SIZES[row]}, {b}:{b + SIZES[column]}]"
     return differing(
         case,
-        f"eq23-block-{i}-{j}",
+        "",
         f"Block ({i},{j}) of (23a) as printed is not that of the congruence of (9a) under (25).",
         equation_23("a").block(row, column) or f"zeros({SIZES[row]}, {SIZES[column]})",
         f"Ca{here}",
         UNKNOWNS_23,
-        congruence_definitions(),
+        id=f"eq23-block-{i}-{j}",
+        definitions=congruence_definitions(),
     )
 
 
@@ -90,13 +90,13 @@ def printed_23_differs(case: Case) -> Certificate:
     """(23a) as printed is not T' (9a) T under (25)."""
     return differing(
         case,
-        "eq23-printed",
+        "eq23.identity",
         "(23a) as printed is not the congruence of (9a) under (25), from which the paper derives it.",
         equation_23("a").formula,
         "Ca",
         UNKNOWNS_23,
-        congruence_definitions(),
-        "eq23.identity",
+        id="eq23-printed",
+        definitions=congruence_definitions(),
     )
 
 
@@ -105,13 +105,13 @@ def printed_26_differs(case: Case) -> Certificate:
     unknowns = {name: unknown for name, unknown in UNKNOWNS_26.items() if name not in LAMBDAS}
     return differing(
         case,
-        "eq26-printed",
+        "eq26.identity",
         "(26a) as printed is not (9a) under (25).",
         equation_26("a").formula,
         equation_9("a", {}).formula,
         unknowns,
-        {**ANY_LOOP, **LAMBDAS, **STRUCTURE},
-        "eq26.identity",
+        id="eq26-printed",
+        definitions={**ANY_LOOP, **LAMBDAS, **STRUCTURE},
     )
 
 
@@ -121,15 +121,25 @@ def wrong_sizes(case: Case) -> list[Certificate]:
     hats = {name: UNKNOWNS_23[name] for name in ("Q12", "Q21")}
     inverse = {"X": matrix(2, 2), "M": matrix(1, 2)}
     return [
-        differing(case, "eq26-r1", "R1 is 2 x 2, the block Pi_221 a number.", "R1", "R2", two),
-        differing(case, "hats-q12", "Q12 is a number, the block of Q21hat 2 x 2.", "Q12", "Q21", hats),
+        differing(case, "", "R1 is 2 x 2, the block Pi_221 a number.", "R1", "R2", two, id="eq26-r1"),
+        differing(case, "", "Q12 is a number, the block of Q21hat 2 x 2.", "Q12", "Q21", hats, id="hats-q12"),
         differing(
             case,
-            "eq24-inverse",
+            "",
             "With P21hat = P21bar^-1 read literally, (24) and (23) disagree on K.",
             "M @ inverse(inverse(X))",
             "M @ inverse(X)",
             inverse,
+            id="eq24-inverse",
         ),
-        differing(case, "eq7-bars", "A of (3) is 2 x 2; z of (7) has three entries.", "A", "A_bar", {}, PRINTED_LOOP),
+        differing(
+            case,
+            "",
+            "A of (3) is 2 x 2; z of (7) has three entries.",
+            "A",
+            "A_bar",
+            {},
+            id="eq7-bars",
+            definitions=PRINTED_LOOP,
+        ),
     ]

@@ -1,15 +1,14 @@
 """Certificates of zhang2013: what a floating-point result becomes once it is proved from the tables."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 
 from gainsay.proof import Certificate
 from gainsay.proof.build import certificate
-from gainsay.statements import Stated, Step, Unknown, implication, scalar, symmetric
+from gainsay.statements import Stated, Step, identical, implication, scalar, symmetric
 from gainsay.tables import Case
 from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.statements import (
@@ -50,25 +49,6 @@ def enclosure(proved: Certificate) -> dict[str, float]:
     return {"value": value, "lower": float(min(lower, float(low))), "upper": float(max(upper, float(high)))}
 
 
-def point_for(unknowns: Mapping[str, Unknown], seed: int = 1) -> dict[str, list]:
-    """Small rational values of unknowns, for showing that two formulas differ."""
-    rng = np.random.default_rng(seed)
-    point = {}
-    for name, unknown in unknowns.items():
-        value = rng.integers(1, 9, size=(unknown.rows, unknown.columns))
-        if unknown.structure == "symmetric":
-            value = value + value.T
-        if unknown.rows == unknown.columns:
-            value = value + 10 * np.eye(unknown.rows, dtype=int)  # invertible
-        point[name] = [[Fraction(int(v)) for v in line] for line in value]
-    return point
-
-
-def entries(unknowns: Mapping[str, Unknown]) -> dict[str, dict[str, Any]]:
-    """Unknowns as certificates hold them."""
-    return {name: unknown.entry() for name, unknown in unknowns.items()}
-
-
 def norm_without_delay(case: Case, value: float) -> Certificate:
     """Bounded real lemma for (7) without delay: the norm is below `value` and the loop stable."""
     loop = Spacecraft.of(case).design_loop(case.printed("K").exact, case.printed("L").exact)
@@ -94,20 +74,16 @@ def negative_form(case: Case) -> Certificate:
     on = "col(l1 * eye(2), -eye(2), l1 * eye(2), l1 * eye(2))"
     base = "l1 ** 2 * mu * Q21 - 2 * l1 * P11 + d_M * R1"
     right = [base, f"{base} + 2 * l1 ** 2 * Q11 - 6 * l1 * R1 / d_M"]
-    return certificate(
-        "identity",
-        id="lambda1-form",
-        paper=case.name,
-        tables=case,
-        statement="On one subspace the left sides of (23a), corrected and printed, are sums of positive definite "
+    return identical(
+        case,
+        "theorem2.negative_lambda1_form",
+        "On one subspace the left sides of (23a), corrected and printed, are sums of positive definite "
         "matrices for every lambda1 <= 0: neither can be negative.",
+        f"diag({', '.join(f'(T.T @ {s.formula} @ T)' for s in core)})",
+        f"diag({', '.join(right)})",
+        unknowns,
+        id="lambda1-form",
         definitions={**PLANT, "T": on},
-        unknowns=entries(unknowns),
-        fields={
-            "left": f"diag({', '.join(f'(T.T @ {s.formula} @ T)' for s in core)})",
-            "right": f"diag({', '.join(right)})",
-        },
-        quantities={"identity": "theorem2.negative_lambda1_form"},
         faith=(
             "The step from the identity to the sign: for lambda1 <= 0 and d_M, mu > 0 every term of the right sides is "
             "a non-negative multiple of a positive definite matrix.",
@@ -312,59 +288,3 @@ def definite_slack(case: Case) -> list[Certificate]:
                 )
             )
     return made
-
-
-def differing(
-    case: Case,
-    name: str,
-    statement: str,
-    left: str,
-    right: str,
-    unknowns: Mapping[str, Unknown],
-    definitions: Mapping[str, str] | None = None,
-    quantity: str = "",
-) -> Certificate:
-    """Certificate that two formulas are not the same: values of their unknowns at which they differ."""
-    witness = point_for(unknowns)
-    return _of_two("different", case, name, statement, left, right, unknowns, quantity, definitions, witness=witness)
-
-
-def identical(
-    case: Case,
-    name: str,
-    statement: str,
-    left: str,
-    right: str,
-    unknowns: Mapping[str, Unknown],
-    quantity: str,
-    definitions: Mapping[str, str] | None = None,
-    faith: Sequence[str] = (),
-) -> Certificate:
-    """Certificate that two formulas agree for every value of their unknowns; `faith` names what it leaves to prose."""
-    return _of_two("identity", case, name, statement, left, right, unknowns, quantity, definitions, faith=faith)
-
-
-def _of_two(
-    kind: str,
-    case: Case,
-    name: str,
-    statement: str,
-    left: str,
-    right: str,
-    unknowns: Mapping[str, Unknown],
-    quantity: str,
-    definitions: Mapping[str, str] | None,
-    **more: Any,
-) -> Certificate:
-    return certificate(
-        kind,
-        id=name,
-        paper=case.name,
-        tables=case,
-        statement=statement,
-        unknowns=entries(unknowns),
-        definitions=definitions or {},
-        fields={"left": left, "right": right},
-        quantities={"identity": quantity} if quantity else {},
-        **more,
-    )

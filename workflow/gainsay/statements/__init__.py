@@ -1,6 +1,7 @@
 """One statement of each theorem: a text from which come the solver's program, the certificate and the page."""
 
 from gainsay.statements.derivations import Step, implication
+from gainsay.statements.identities import differing, identical
 from gainsay.statements.program import Stated
 from gainsay.statements.proving import enclose, prove
 from gainsay.statements.statement import Cell, Constraint, Statement, over, read_constraint
@@ -14,7 +15,9 @@ __all__ = [
     "Step",
     "Unknown",
     "diagonal",
+    "differing",
     "enclose",
+    "identical",
     "implication",
     "matrix",
     "over",

@@ -23,7 +23,7 @@ KINDS = {
     "gain": ("a printed gain", "`results.gains` beside `results.quantity`"),
     "identity": (
         "two expressions are equal",
-        "`build.certificate('identity', ...)`, or `'different'`",
+        "`statements.identical(case, quantity, ...)`, or `differing`",
     ),
     "definiteness": ("a matrix is definite", "`build.certificate('definite', ...)`, or `'not_definite'`"),
     "feasibility": ("an LMI has a solution", "`statements.prove(results, quantity, stated, stated.solve(), ...)`"),
@@ -59,8 +59,8 @@ COMPARATORS = {
 LIBRARY = {
     "Statements: an inequality once, for solver, certificate and page": (
         "gainsay.statements",
-        ("Statement", "Stated", "prove", "enclose", "implication", "Step", "symmetric", "matrix", "diagonal",
-         "positive", "scalar"),
+        ("Statement", "Stated", "prove", "enclose", "identical", "differing", "implication", "Step", "symmetric",
+         "matrix", "diagonal", "positive", "scalar"),
     ),
     "Certificates": ("gainsay.proof.build", ("certificate", "feasible_point", "farkas", "dual_bound")),
     "Tables": ("gainsay.tables", ("Case",)),
