@@ -1,7 +1,9 @@
 import ast
 import subprocess
 import sys
+import tomllib
 from graphlib import CycleError, TopologicalSorter
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -71,6 +73,24 @@ def test_no_module_imports_itself_by_way_of_others():
         TopologicalSorter(below).prepare()
     except CycleError as error:
         pytest.fail(f"a circle of imports: {' -> '.join(error.args[1])}")
+
+
+#: imported name -> the package that brings it, where the two differ
+PACKAGES = {"flint": "python-flint", "google": "protobuf", "PIL": "pillow", "rerun": "rerun-sdk"}
+
+
+def test_every_package_that_is_imported_is_declared():
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    extras = declared["project"]["optional-dependencies"].values()
+    product = [*declared["project"]["dependencies"], *chain.from_iterable(extras)]
+    everything = [*product, *declared["dependency-groups"]["dev"]]
+    own = {"gainsay", "papers", "tests"}
+    for paths, packages in (([*MODULES, *PAPERS], product), (sorted((ROOT / "tests").rglob("*.py")), everything)):
+        named = {package.partition("==")[0] for package in packages}
+        for path in paths:
+            roots = {module.split(".")[0] for module in imported(path)} - own - sys.stdlib_module_names
+            missing = {PACKAGES.get(root, root.replace("_", "-")) for root in roots} - named
+            assert not missing, f"{identity(path)} imports {sorted(missing)}, which pyproject.toml does not declare"
 
 
 def floor_of(path: Path) -> str:
