@@ -15,10 +15,12 @@ from papers.wan2014.statements import near_optimal
 NEAR = 1.001
 #: an entry is identified if its range near the optimum is within this part of its size, to either side
 IDENTIFIED = 0.1
+#: printed values and their half units
+Box = tuple[np.ndarray, np.ndarray]
 _UPPER = [(i, j) for i in range(6) for j in range(i, 6)]
 
 
-def _box(printed: PrintedMatrix) -> tuple[np.ndarray, np.ndarray]:
+def _box(printed: PrintedMatrix) -> Box:
     rows = printed.rows
     return printed.floats, np.array([[float(x.half_unit) for x in row] for row in rows])
 
@@ -55,7 +57,9 @@ def consistent_point(case: Case, target: float = 0.95, rounds: int = 30) -> tupl
     raise ComputationError("(44)", f"no X, Y, K within the printed digits found; {best:.3g} half units remain")
 
 
-def _step(X, K, box_x, box_y, box_k, reach) -> tuple[np.ndarray, np.ndarray]:
+def _step(
+    X: np.ndarray, K: np.ndarray, box_x: Box, box_y: Box, box_k: Box, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Step of the linearised problem: least largest distance from all printed digits, in half units."""
     (X0, hx), (Y0, hy), (K0, hk) = box_x, box_y, box_k
     count = len(_UPPER) + 18
@@ -144,9 +148,9 @@ def spreads(case: Case, optimum: dict, rho: float) -> dict[str, Spread]:
     for _ in range(2):
         for side in (0, 1):
             _push(program, unknown, near, side, looked_at, points, ends)
-        identified = _spread(*ends, K0).identified
+        identified = _spread(ends[0], ends[1], K0).identified
         looked_at = [place for place in looked_at if identified[place]]
-    result["K"] = _spread(*ends, K0)
+    result["K"] = _spread(ends[0], ends[1], K0)
     return result
 
 

@@ -114,7 +114,7 @@ class ClosedLoop:
         commanded = -estimate @ self.K.T
         return np.clip(commanded, -self.limits, self.limits) if self.clipped else commanded
 
-    def right_hand_side(self):
+    def right_hand_side(self) -> Callable[[float, np.ndarray], np.ndarray]:
         """Return f(t, x) for the 16 states; see the slices of this module."""
         orbit, mass = target_orbit(self.case), self.case.number("mass")
         Q, R, C = self.case.matrix("Q"), self.case.matrix("R"), self.case.matrix("C")
@@ -147,7 +147,7 @@ class ClosedLoop:
 
         return derivative
 
-    def many_slopes(self):
+    def many_slopes(self) -> Callable[[float, np.ndarray], np.ndarray]:
         """Return f(t, states (m, 12)) of m flights [x; estimate] at once, two-body plant, unclipped thrust."""
         orbit, anomaly, C = target_orbit(self.case), self.anomaly(), self.case.matrix("C")
         rates = np.zeros((12, 12))

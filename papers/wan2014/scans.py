@@ -125,7 +125,15 @@ class Flights:
     def _error(self, states: np.ndarray, times: np.ndarray) -> np.ndarray:
         return np.linalg.norm(states[..., VELOCITY] - states[..., ESTIMATE][..., 3:], axis=-1) - self.speed
 
-    def _last_crossing(self, part: Segment, grid, values, output, still: np.ndarray, found: np.ndarray) -> np.ndarray:
+    def _last_crossing(
+        self,
+        part: Segment,
+        grid: np.ndarray,
+        values: np.ndarray,
+        output: Callable[[np.ndarray, np.ndarray], np.ndarray],
+        still: np.ndarray,
+        found: np.ndarray,
+    ) -> np.ndarray:
         """Locate the last time at which each output turns negative; return which are not negative at the end."""
         positive = values >= 0
         last = len(grid) - 1 - np.argmax(positive[::-1], axis=0)
@@ -149,7 +157,7 @@ class Flights:
         self._far = self._last_crossing(part, grid, self._beyond(states, grid), self._beyond, self._far, self.capture)
         self._off = self._last_crossing(part, grid, self._error(states, grid), self._error, self._off, self.settled)
         if grid[0] <= 3000.0 <= grid[-1]:
-            self.range_3000s = np.linalg.norm(part([3000.0])[0][:, POSITION], axis=1)
+            self.range_3000s = np.linalg.norm(part(np.array([3000.0]))[0][:, POSITION], axis=1)
         if grid[0] == 0.0:
             thrust = self.loop.thrust(part(np.arange(0, FLUCTUATION + 0.025, 0.05))[..., ESTIMATE])[..., 0]
             self.fluctuations = np.abs(np.diff(thrust, axis=0)).sum(axis=0)
@@ -169,7 +177,7 @@ class Flights:
             self._look(part)
         if part is None or self._far.any() or self._off.any():
             raise ComputationError("Figures 2 to 5", "a flight is not captured or settled at the end of the horizon")
-        final = part([end])[0]
+        final = part(np.array([end]))[0]
         distance = np.linalg.norm(final[:, POSITION], axis=1)
         speed = np.linalg.norm(final[:, VELOCITY], axis=1)
         columns = (self.ratio, self.range_3000s, distance, speed, self.settled / self.capture, self.fluctuations)

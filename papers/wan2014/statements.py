@@ -253,7 +253,7 @@ def state_feedback(case: Any, saturated: bool = True, weight: str = "1", **texts
         FEEDBACK_TIMES_RHO.defining("(14) 1,3,5,7", unknowns=unknowns, weight=weight, **texts) < 0,
         START_TIMES_RHO.defining("(30)", unknowns=unknowns, **texts) < 0,
         [Constraint(c.label, c.left, c.relation, c.right, c.statement.defining(unknowns=unknowns, **texts))
-         for c in limits],
+         for c in limits if c.statement is not None],
     ]  # fmt: skip
     return Stated(case, held, minimise="rho", unknowns=unknowns, label="(14) 1,3,5,7 with (30), (31)")
 
@@ -390,5 +390,5 @@ JOINT_START = Statement(
 
 def joint_design(case: Any, **texts: str) -> Stated:
     """Return the corrected theorem: the least bound over K = Y X^-1 and both Lyapunov matrices, no thrust limits."""
-    held = [JOINT.defining(**texts) < 0, JOINT_START.defining(**texts) > 0, "P > 0"]
+    held = [JOINT.defining(None, None, **texts) < 0, JOINT_START.defining(None, None, **texts) > 0, "P > 0"]
     return Stated(case, held, minimise="rho", label="joint design")

@@ -1,6 +1,6 @@
 """Audit of zhang2013: the printed K and L on the design model and on the flexible plant."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 
 import numpy as np
@@ -8,6 +8,7 @@ from flint import fmpq
 
 from gainsay.errors import ComputationError
 from gainsay.exact.ball import ball, hull, lower, precision, upper
+from gainsay.lmi.affine import Affine
 from gainsay.proof.build import certificate
 from gainsay.results import Results, task
 from gainsay.statements import prove
@@ -35,6 +36,15 @@ from papers.zhang2013.synthesis import certify_on_flexible
 
 DELAY_WIDTH, FLEXIBLE_WIDTH = 1e-6, 1e-4
 """Relative widths to which the delay at which a condition turns is bisected, design model and flexible plant."""
+
+
+def _blocks_at(parts: tuple[np.ndarray, np.ndarray, np.ndarray], mu: float, d_M: float) -> tuple[Affine, ...]:
+    A, Bd, Cd = parts
+    return channel_blocks(A, Bd, Cd, d_M, mu)
+
+
+def _number_of(numbers: Callable[[Mapping], dict[str, float]], quantity: str, point: Mapping) -> float:
+    return numbers(point)[quantity]
 
 
 def printed(case: Case) -> tuple[Spacecraft, tuple, tuple]:
@@ -277,7 +287,7 @@ def flexible_bounds(case: Case, results: Results) -> None:
             )
         # (9b) where z(t - d) = z(t - d_M) is the condition of degree 0 with S = Q1 + Q2, less mu Q2: what degree 0 does
         # not prove, Theorem 1 does not prove
-        proved = delay_below(lambda h, parts=parts: channel_blocks(*parts, h, mu), beyond)
+        proved = delay_below(partial(_blocks_at, parts, mu), beyond)
         results.quantity(
             f"flexible.theorem1.{mode}",
             proved,
@@ -372,7 +382,7 @@ def figures(case: Case, results: Results) -> None:
                 case,
                 quantity,
                 inputs,
-                lambda point, quantity=quantity: numbers(point)[quantity],
+                partial(_number_of, numbers, quantity),
                 samples=200,
                 admissible=lambda point: flight.admissible(case, point),
             )

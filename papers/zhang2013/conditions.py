@@ -180,7 +180,7 @@ NORM_ROOM = 1e-7
 """Relative room between a norm and the level proved above it."""
 
 
-def enclosed_norm(loop: DelaySystem, delay: fmpq) -> dict[str, object]:
+def enclosed_norm(loop: DelaySystem, delay: fmpq) -> dict[str, Any]:
     """Value, lower, upper and method of the norm of a loop under a constant delay; `results.quantity` takes them.
 
     Raises

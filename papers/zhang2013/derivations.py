@@ -45,7 +45,7 @@ EQUATION_22 = Statement(
 )
 
 
-def jensen(label: str, first: int, second: int) -> Statement:
+def jensen(label: str, first: str, second: str) -> Statement:
     """(15) or (16): the two intervals of Lemma 1 weighed, as a quadratic form of z, z(t - d), z(t - d_M)."""
     blocks = {
         ("z", "z"): f"-{first} * R",
@@ -142,14 +142,14 @@ def lemma(case: Case, results: Results) -> None:
     )
     unknowns = {"R": FREE_LOOP["R"], **{name: VECTORS[name] for name in ("z", "zd", "zM")}}
     for part, label in zip(PARTS, ("(15)", "(16)"), strict=True):
-        first, second = PARTS[part]
+        one, other = (str(weight) for weight in PARTS[part])
         results.prove(
             identical(
                 case,
                 f"eq{label[1:3]}.identity",
                 f"{label} holds for every z(t), z(t - d), z(t - d_M) and R (times d_M).",
-                f"-({first} * {W1} + {second} * {W2})",
-                f"col(z, zd, zM).T @ {jensen(label, first, second).formula} @ col(z, zd, zM)",
+                f"-({one} * {W1} + {other} * {W2})",
+                f"col(z, zd, zM).T @ {jensen(label, one, other).formula} @ col(z, zd, zM)",
                 unknowns,
                 id=f"eq{label[1:3]}",
             ),

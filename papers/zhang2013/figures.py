@@ -1,6 +1,6 @@
 """What the captions of Figures 1 to 3 announce, drawn from the logs (the pictures are lost), and two of ours."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -18,7 +18,14 @@ READINGS = (
 )
 
 
-def _draw(panel: Axes, logs: Mapping[str, Log], topic: str, field: str, shown: tuple[float, float], named) -> None:
+def _draw(
+    panel: Axes,
+    logs: Mapping[str, Log],
+    topic: str,
+    field: str,
+    shown: tuple[float, float],
+    named: Iterable[tuple[str, str, str]],
+) -> None:
     """Draw one field of several runs, each (run, label, role), between two times."""
     for run, label, role in named:
         signal = logs[run][topic]

@@ -4,19 +4,24 @@ Matrices are kept as exact fractions of the printed digits; floats are made wher
 Equation numbers are those of the paper.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
 from gainsay.errors import InputError
 from gainsay.systems.delay import DelaySystem
+from gainsay.tables import Case
 
+#: rows of exact numbers or doubles
+Rows = Sequence[Sequence[Any]] | np.ndarray
 MODES = ("paper", "all", "no_observer")
 """What the delay acts on: K x alone as in (6), the whole input, or K x with no observer in the loop."""
 
 
-def exact(rows: object) -> np.ndarray:
+def exact(rows: Rows) -> np.ndarray:
     """Object array of fractions from nested sequences of exact numbers."""
     return np.array([[Fraction(v) for v in row] for row in rows], dtype=object)
 
@@ -47,7 +52,7 @@ class Spacecraft:
     Cd2: np.ndarray
 
     @classmethod
-    def of(cls, case) -> "Spacecraft":
+    def of(cls, case: Case) -> "Spacecraft":
         """Read the tables of the paper."""
         return cls(
             inertia=case.exact("J"),
@@ -101,7 +106,7 @@ class Spacecraft:
         B = exact([[0], [b], [0], [0], [-f[0] * b], [-f[1] * b]])
         return A, B
 
-    def augmented(self, K: np.ndarray, L: np.ndarray) -> dict[str, np.ndarray]:
+    def augmented(self, K: Rows, L: Rows) -> dict[str, np.ndarray]:
         """Abar, Ad, Bbar, C, Cd of (7) and (8) for gains of shape (1, 2); state z = [x; e], input [w1; w2']."""
         K, L = exact(K), exact(L)
         A, B = self.A, self.B
@@ -114,14 +119,14 @@ class Spacecraft:
             "Cd": np.block([[self.Cd1, self.Cd2]]),
         }
 
-    def design_loop(self, K: np.ndarray, L: np.ndarray) -> DelaySystem:
+    def design_loop(self, K: Rows, L: Rows) -> DelaySystem:
         """Return (7) and (8) with a constant delay, as a delay system."""
         loop = self.augmented(K, L)
         Bd = np.vstack([self.B, exact([[0]])])
         Cd = np.hstack([exact(K), exact([[0]])])
         return DelaySystem(loop["A"], Bd, Cd, loop["B"], loop["C"], loop["Cd"])
 
-    def flexible_loop(self, K: np.ndarray, L: np.ndarray, mode: str) -> DelaySystem:
+    def flexible_loop(self, K: Rows, L: Rows, mode: str) -> DelaySystem:
         """Loop of (1), (4), (6) on the flexible plant; input w1, output (w2, w2hat).
 
         State (theta, theta', eta1, eta2, eta1', eta2', w2hat). With the observer fed the torque that is applied, (4)
@@ -155,6 +160,6 @@ class Spacecraft:
             delayed = Kx - one
         return DelaySystem(A, B7, delayed, B7 + LB * one.T, np.vstack([np.hstack([w2, exact([[0]])]), one]))
 
-    def with_(self, **changes: object) -> "Spacecraft":
+    def with_(self, **changes: Any) -> "Spacecraft":
         """Return a copy with some data changed."""
         return replace(self, **changes)

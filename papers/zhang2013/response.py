@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from gainsay.errors import InputError
 from gainsay.simulation.delay import DelayLaw, DelaySolution, simulate_delay
 from gainsay.tables import Case
-from papers.zhang2013.plant import Spacecraft
+from papers.zhang2013.plant import Rows, Spacecraft
 
 STARTS = ("zero", "matched")
 """Start of the observer's own state: p(0) = 0, or p(0) = -L x(0), for which the first estimate is zero."""
@@ -65,7 +65,7 @@ class Flight:
 
     def root_mean_square(self, signal: Callable[[np.ndarray], np.ndarray], start: float, end: float) -> float:
         """Root of the mean of the square of a function of the states between two times, s."""
-        square = self.solution.integral(lambda t, x: signal(x) ** 2, [end], start)[0]
+        square = self.solution.integral(lambda t, x: signal(x) ** 2, np.array([end]), start)[0]
         return float(np.sqrt(square / (end - start)))
 
     def torque(self, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -76,8 +76,8 @@ class Flight:
 
 def fly(
     case: Case,
-    K: np.ndarray,
-    L: np.ndarray,
+    K: Rows,
+    L: Rows,
     mode: str,
     start: str,
     *,
@@ -133,11 +133,11 @@ def lowest_angle(flight: Flight) -> tuple[float, float]:
     low, high = times[max(k - 1, 0)], times[min(k + 1, len(times) - 1)]
 
     def rate(t: float) -> float:
-        return float(solution(t)[0, 1])
+        return float(solution(np.array([t]))[0, 1])
 
     if rate(low) < 0 < rate(high):  # theta' is a state: its zero is the minimum
         time = float(brentq(rate, low, high, xtol=1e-13))
-        return time, float(solution(time)[0, 0])
+        return time, float(solution(np.array([time]))[0, 0])
     return float(times[k]), float(solution(times[k])[0, 0])
 
 
@@ -158,14 +158,15 @@ def numbers(flight: Flight) -> dict[str, tuple[float, float, str]]:
     """Return the located numbers of a run: name -> (time, value, unit)."""
     solution = flight.solution
     end = float(solution.mesh[-1])
-    window = min(ESTIMATION_WINDOW, end)
-    angle = solution.integral(lambda t, x: x[:, 0] ** 2, [end])[0]
+    window, early = min(ESTIMATION_WINDOW, end), min(10.0, end)
+    at_early, at_end = (solution(np.array([t]))[0] for t in (early, end))
+    angle = solution.integral(lambda t, x: x[:, 0] ** 2, np.array([end]))[0]
     time, lowest = lowest_angle(flight)
     found = {
-        "theta_10s": (min(10.0, end), float(solution(min(10.0, end))[0, 0]), "rad"),
+        "theta_10s": (early, float(at_early[0]), "rad"),
         "theta_min": (time, lowest, "rad"),
-        "theta_end": (end, float(solution(end)[0, 0]), "rad"),
-        "rate_end": (end, float(solution(end)[0, 1]), "rad/s"),
+        "theta_end": (end, float(at_end[0]), "rad"),
+        "rate_end": (end, float(at_end[1]), "rad/s"),
         "squared_angle": (end, float(angle), "rad^2 s"),
         "vibration_rms_50s": (window, flight.root_mean_square(flight.w2, 0.0, window), "N m"),
         "vibration_rms_end": (end, flight.root_mean_square(flight.w2, end - window, end), "N m"),

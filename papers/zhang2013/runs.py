@@ -1,6 +1,7 @@
 """The runs of the numerical example: both readings of the delay, both starts of the observer, and designs of ours."""
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from gainsay.logs.sampling import moving_samples
 from gainsay.tables import Case
 from papers.zhang2013.response import Flight, external_torque, fly, numbers
 
-SECOND = {"step": 0.03, "stages": 6}
+SECOND: dict[str, Any] = {"step": 0.03, "stages": 6}
 """The second solution, on another mesh and of another order, that bands every number."""
 DRAWN = 0.8
 """Metres drawn at the tip for the largest modal coordinate of a run: deflections of millimetres become visible."""

@@ -315,13 +315,13 @@ def structured_theorem_1(case: Any, loop: dict[str, str], **texts: str) -> State
 def theorem_2(case: Any, edition: str = "corrected", level: str = "0", **texts: str) -> Stated:
     """(23a), (23b) and the sign conditions, each by a level; `texts` define l1, M, N, ... otherwise."""
     side: Any = 0 if level == "0" else f"-{level} * eye(15)"
-    held = [EDITIONS[edition](part).defining(**texts) < side for part in PARTS]
+    held = [EDITIONS[edition](part).defining(None, None, **texts) < side for part in PARTS]
     more = {**UNKNOWNS_23, **GAMMA_SQUARED, "t": scalar()}
     unknowns = {name: unknown for name, unknown in more.items() if name not in texts}
     return Stated(case, [*held, positive_definite(level)], unknowns=unknowns, label=f"(23) {edition}")
 
 
-def for_gains(K: str, L: str) -> dict[str, str]:
+def for_gains(K: str, L: str) -> dict[str, Any]:
     """Definitions of M and N of (24) for formulas of K and L."""
     return {"M": f"{K} @ X", "N": f"P22.T @ {L}"}
 
@@ -346,7 +346,7 @@ def least_squares_program(case: Any, level: str = "1e-3", **texts: str) -> State
         "sum of squares", "", ("total", "entries"),
         {("total", "total"): "total", ("total", "entries"): f"row({entries})", ("entries", "entries"): f"eye({count})"},
         unknowns={**UNKNOWNS_23, "total": scalar()}, where={**PLANT, **LAMBDAS},
-    ).defining(**texts)  # fmt: skip
+    ).defining(None, None, **texts)  # fmt: skip
     held = theorem_2(case, level=level, **texts)
     return Stated(case, [held.constraints, squares > 0], "total", held.unknowns, held.where, label="(23) least squares")
 

@@ -158,13 +158,13 @@ def margins(case: Case, results: Results) -> None:
         prove(results, quantity, theorem_2(case, edition, l1=l1), found.solved, id=id, sentence=sentence, source="(23)")
         results.say("(23)", f"{edition}, lambda1 = {l1}: margin {-found.value:.7g}")
     stated = theorem_2(case, "printed")
-    found = stated.solve()
-    results.attempt("(23) printed", list(found.attempts))
+    as_printed = stated.solve()
+    results.attempt("(23) printed", list(as_printed.attempts))
     prove(
         results,
         "theorem2.printed_feasible",
         stated,
-        found,
+        as_printed,
         id="eq23-printed-infeasible",
         sentence=f"solution of (23), printed, at lambda1 = {PLUS}",
         source="(23)",

@@ -12,8 +12,10 @@ References
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -155,8 +157,8 @@ def differential_gravity(
 
 
 def relative_acceleration(
-    orbit: KeplerOrbit, true_anomaly: float, position: tuple[float, float, float], velocity: tuple[float, float, float]
-) -> tuple[float, float, float]:
+    orbit: KeplerOrbit, true_anomaly: float, position: Iterable[Any], velocity: Iterable[Any]
+) -> tuple[Any, Any, Any]:
     """Return the free relative acceleration in the rotating LVLH frame, m/s^2.
 
     Parameters
@@ -165,7 +167,7 @@ def relative_acceleration(
         Orbit of the target.
     true_anomaly : float
         Of the target, rad.
-    position, velocity : tuple of 3 floats or of 3 arrays of one shape
+    position, velocity : 3 floats or 3 arrays of one shape
         Of the chaser, or of many, relative to the target, in the rotating frame, m and m/s.
     """
     x, y, z = position
