@@ -14,8 +14,13 @@ def proofs(case: Case) -> Iterator[Row]:
     files = sorted((case.results / "certificates").glob("*.json"))
     if not files:
         return
-    yield paired(f"{case.name}: check {len(files)} certificates", lambda: [check_file(f, case.root) for f in files],
-                  "reading the files", lambda: [f.read_bytes() for f in files], runs=1)  # fmt: skip
+    yield paired(
+        f"{case.name}: check {len(files)} certificates",
+        lambda: [check_file(f, case.root) for f in files],
+        "reading the files",
+        lambda: [f.read_bytes() for f in files],
+        runs=1,
+    )
 
 
 def replays(case: Case) -> Iterator[Row]:

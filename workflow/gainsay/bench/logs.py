@@ -66,9 +66,21 @@ def rows() -> Iterator[Row]:
             with LogWriter(ours, provenance={"run": "bench"}) as log:
                 log.signal("/x", dict.fromkeys(_FIELDS, "1"), time, values)
 
-        yield paired("log: write 2e5 x 12 doubles", write, "plain mcap-python protobuf",
-                     lambda: _write_plain(plain, time, values), aim=0.5, runs=1)  # fmt: skip
-        yield paired("log: read them back to arrays", lambda: read_log(ours)["/x"].values, "plain mcap-python protobuf",
-                     lambda: _read_plain(plain), aim=0.5, runs=1)  # fmt: skip
+        yield paired(
+            "log: write 2e5 x 12 doubles",
+            write,
+            "plain mcap-python protobuf",
+            lambda: _write_plain(plain, time, values),
+            aim=0.5,
+            runs=1,
+        )
+        yield paired(
+            "log: read them back to arrays",
+            lambda: read_log(ours)["/x"].values,
+            "plain mcap-python protobuf",
+            lambda: _read_plain(plain),
+            aim=0.5,
+            runs=1,
+        )
         if not np.array_equal(read_log(ours)["/x"].values, _read_plain(plain)):
             raise RuntimeError("the two logs do not hold the same doubles")

@@ -67,9 +67,15 @@ def cpu_of_command(arguments: Sequence[str], folder: Path) -> float:
 
 
 def paired(
-    what: str, candidate: Callable[[], Any], against: str, baseline: Callable[[], Any], *,
-    aim: float | None = None, runs: int = 5, timer: Callable[[Callable[[], Any]], float] = cpu_of,
-) -> Row:  # fmt: skip
+    what: str,
+    candidate: Callable[[], Any],
+    against: str,
+    baseline: Callable[[], Any],
+    *,
+    aim: float | None = None,
+    runs: int = 5,
+    timer: Callable[[Callable[[], Any]], float] = cpu_of,
+) -> Row:
     """Measure two calls in turn and return the medians; several runs have one more before them, to warm up."""
     if runs > 1:
         timer(candidate), timer(baseline)

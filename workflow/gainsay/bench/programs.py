@@ -47,8 +47,14 @@ def rows() -> Iterator[Row]:
             if not (isinstance(found, Infimum) and found.upper - found.lower < 1e-5 * max(1.0, abs(found.upper))):
                 raise RuntimeError(f"{program.label}: not enclosed")
 
-        yield paired(f"{size} rows, {unknowns} unknowns, an infimum", enclosed, "plain cvxpy with Clarabel",
-                     partial(_plain, Drawn(least, True, 0.0)), aim=_AIM, runs=runs)  # fmt: skip
+        yield paired(
+            f"{size} rows, {unknowns} unknowns, an infimum",
+            enclosed,
+            "plain cvxpy with Clarabel",
+            partial(_plain, Drawn(least, True, 0.0)),
+            aim=_AIM,
+            runs=runs,
+        )
 
 
 def _bounded(rng: np.random.Generator, size: int, unknowns: int) -> Program:

@@ -29,5 +29,9 @@ def rows(case: Case) -> Iterator[Row]:
         if raw.x is None:
             raise RuntimeError(f"bare Clarabel gave no point: {raw.record}")
 
-    yield paired("wan2014: sub-problem, built to checked", lambda: state_feedback(case).solve(),
-                 "one Clarabel call on assembled data", bare)  # fmt: skip
+    yield paired(
+        "wan2014: sub-problem, built to checked",
+        lambda: state_feedback(case).solve(),
+        "one Clarabel call on assembled data",
+        bare,
+    )

@@ -99,8 +99,9 @@ def _of_paper(root: Path, paper: str) -> list[TaskRow]:
         modules = {step: import_module(f"papers.{paper}.{owner}") for step, owner in owners.items()}
     seconds = time.process_time() - begun
     # importlib is not seen by the meter; all of it but nothing else is imports
-    measured.append(TaskRow(paper, "start", "imports of the steps", seconds, {**dict.fromkeys(KINDS, 0.0),
-                                                                              "imports": seconds}))  # fmt: skip
+    measured.append(
+        TaskRow(paper, "start", "imports of the steps", seconds, {**dict.fromkeys(KINDS, 0.0), "imports": seconds})
+    )
     case = read_case(root, paper)
     for step, module in modules.items():
         results = Results(case, step, verify=lambda certificate: accepted(certificate) or check(certificate, case))

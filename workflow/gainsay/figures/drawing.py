@@ -77,13 +77,27 @@ def curve(
 
 def ended(panel: Axes, x: float, text: str) -> None:
     """Say beside the last sample of a run that ends early why nothing follows it."""
-    panel.annotate(text, (x, 0.5), xytext=(6, 0), xycoords=("data", "axes fraction"), textcoords="offset points",
-                   ha="left", va="center", fontsize=7)  # fmt: skip
+    panel.annotate(
+        text,
+        (x, 0.5),
+        xytext=(6, 0),
+        xycoords=("data", "axes fraction"),
+        textcoords="offset points",
+        ha="left",
+        va="center",
+        fontsize=7,
+    )
 
 
 def curves(
-    panel: Axes, log: Log, topic: str, fields: Sequence[str], *, labels: Sequence[str] = (), until: float | None = None,
-) -> None:  # fmt: skip
+    panel: Axes,
+    log: Log,
+    topic: str,
+    fields: Sequence[str],
+    *,
+    labels: Sequence[str] = (),
+    until: float | None = None,
+) -> None:
     """Draw fields of a topic over time, the first in the colour of axis 1, the second of axis 2, and so on."""
     signal = log[topic]
     shown = slice(None) if until is None else signal.time <= until
@@ -114,16 +128,26 @@ def bound(
     if upright:
         panel.axvline(value, **look)
         panel.annotate(
-            name, (value, 1.01), xycoords=("data", "axes fraction"), ha="center", va="bottom", fontsize=7,
+            name,
+            (value, 1.01),
+            xycoords=("data", "axes fraction"),
+            ha="center",
+            va="bottom",
+            fontsize=7,
             color=look["color"],
-        )  # fmt: skip
+        )
         return
     for sign in (1, -1) if both else (1,):
         panel.axhline(sign * value, **look)
         panel.annotate(
-            name if sign > 0 else f"\N{MINUS SIGN}{name}", (1.01, sign * value), xycoords=("axes fraction", "data"),
-            ha="left", va="center", fontsize=7, color=look["color"],
-        )  # fmt: skip
+            name if sign > 0 else f"\N{MINUS SIGN}{name}",
+            (1.01, sign * value),
+            xycoords=("axes fraction", "data"),
+            ha="left",
+            va="center",
+            fontsize=7,
+            color=look["color"],
+        )
 
 
 def finish(figure: Figure, panels_of_it: Sequence[Axes], *, x: str = "time [s]") -> None:

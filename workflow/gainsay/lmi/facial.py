@@ -61,8 +61,14 @@ def exact_face(
     target : int or None
         Value that the sum of <constant part, Z_j> is to have (0), or None for any.
     """
-    top = max((float(np.abs(m).max(initial=0.0)) for c, m in zip(constraints, multipliers, strict=True)
-               if not isinstance(c, Equal)), default=0.0)  # fmt: skip
+    top = max(
+        (
+            float(np.abs(m).max(initial=0.0))
+            for c, m in zip(constraints, multipliers, strict=True)
+            if not isinstance(c, Equal)
+        ),
+        default=0.0,
+    )
     if not top > 0 or len(scaled.cost) > _MOST_ENTRIES:
         return None
     for cut in (1e-3, 1e-5):

@@ -105,8 +105,10 @@ class System:
         inverse = RightInverse.of(stack.T, blur)
         if inverse is None:
             return None
-        cores = [np.eye(f.shape[1]) if isinstance(c, Definite) else np.ones(f.shape[1])
-                 for c, f in zip(self.constraints, frames, strict=True)]  # fmt: skip
+        cores = [
+            np.eye(f.shape[1]) if isinstance(c, Definite) else np.ones(f.shape[1])
+            for c, f in zip(self.constraints, frames, strict=True)
+        ]
         for number in range(3):
             z, wide = _assembled(self.constraints, frames, cores)
             rest, bound = self._rest(z, wide)

@@ -68,8 +68,9 @@ def contradiction(rows: np.ndarray, right: np.ndarray) -> np.ndarray | None:
 def equations(scaled: Scaled, constraints: Sequence) -> tuple[np.ndarray, np.ndarray]:
     """Coefficients and constants of all equalities, stacked."""
     size = len(scaled.cost)
-    parts = [(t, c) for t, c, of in zip(scaled.tensors, scaled.constants, constraints, strict=True)
-             if isinstance(of, Equal)]  # fmt: skip
+    parts = [
+        (t, c) for t, c, of in zip(scaled.tensors, scaled.constants, constraints, strict=True) if isinstance(of, Equal)
+    ]
     if not parts:
         return np.zeros((0, size)), np.zeros(0)
     return np.vstack([t for t, _ in parts]), np.concatenate([c for _, c in parts])
@@ -122,8 +123,9 @@ def holds(tensor: np.ndarray, constant: np.ndarray, constraint: Any, x: np.ndarr
         error = error + distance * np.sqrt((tensor**2).sum(axis=-1)) * (1 + gamma(len(x)))
     if isinstance(constraint, Entrywise):
         sure = value - error >= 0
-        return bool(sure.all()) or (not distance and all(_entry(tensor[i], constant[i], x) >= 0
-                                                         for i in np.flatnonzero(~sure)))  # fmt: skip
+        return bool(sure.all()) or (
+            not distance and all(_entry(tensor[i], constant[i], x) >= 0 for i in np.flatnonzero(~sure))
+        )
     if proved_positive(value, error):
         return True
     if distance or np.count_nonzero(tensor) > _MOST_EXACT:
@@ -136,8 +138,10 @@ def holds(tensor: np.ndarray, constant: np.ndarray, constraint: Any, x: np.ndarr
 
 
 def _entry(coefficients: np.ndarray, constant: float, x: np.ndarray) -> fmpq:
-    return sum((to_fmpq(float(coefficients[k])) * to_fmpq(float(x[k])) for k in np.flatnonzero(coefficients)),
-               to_fmpq(float(constant)))  # fmt: skip
+    return sum(
+        (to_fmpq(float(coefficients[k])) * to_fmpq(float(x[k])) for k in np.flatnonzero(coefficients)),
+        to_fmpq(float(constant)),
+    )
 
 
 def exact_block(tensor: np.ndarray, constant: np.ndarray, x: Sequence[fmpq]) -> fmpq_mat:

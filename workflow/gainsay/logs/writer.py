@@ -284,9 +284,11 @@ class LogWriter(Elements):
         text = f"extreme {name}: {value:.6g} {unit} at {time:.6g} s"
         passed = limit is not None and not abs(value) <= limit * (1.0 + 1e-9)
         self.event(
-            time, name, f"{text}, beyond the limit of {limit:.6g} {unit}" if passed else text,
+            time,
+            name,
+            f"{text}, beyond the limit of {limit:.6g} {unit}" if passed else text,
             level="warning" if passed else "info",
-        )  # fmt: skip
+        )
 
     def _write_extremes(self) -> None:
         units, values = {}, []

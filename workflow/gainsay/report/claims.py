@@ -204,10 +204,15 @@ def scan_view(scan: Outcome, of: str) -> ScanView:
             shown = span(repr(entry.low), repr(entry.high), entry.unit)
         inputs.append(Markup("<i>{}</i>: {}").format(entry.name.replace("_", " "), shown))
     return ScanView(
-        scan.samples, scan.holding, scan.criterion, tuple(inputs),
-        span(repr(scan.least[0]), repr(scan.greatest[0]), of), turning_point(scan),
-        _at(scan.holds_at, of, units), _at(scan.fails_at, of, units),
-    )  # fmt: skip
+        scan.samples,
+        scan.holding,
+        scan.criterion,
+        tuple(inputs),
+        span(repr(scan.least[0]), repr(scan.greatest[0]), of),
+        turning_point(scan),
+        _at(scan.holds_at, of, units),
+        _at(scan.fails_at, of, units),
+    )
 
 
 def quantity_view(found: PaperResults, quantity: str) -> QuantityView:
@@ -216,16 +221,27 @@ def quantity_view(found: PaperResults, quantity: str) -> QuantityView:
     row = found.quantities.get(quantity)
     differing = {d["item"]: d["expected"] for d in found.differences if d["what"] == "quantity"}
     file = found.existing(row["source"]) if row else ""
-    return QuantityView(
-        quantity, declared.meaning, declared.unit, declared.step, row, file, differing.get(quantity)
-    )  # fmt: skip
+    return QuantityView(quantity, declared.meaning, declared.unit, declared.step, row, file, differing.get(quantity))
 
 
 def _claim_view(found: PaperResults, claim: Claim) -> ClaimView:
     row = found.verdicts.get(claim.id)
     verdict = row["verdict"] if row and row["verdict"] in VERDICTS else NONE_YET
-    row = row or dict.fromkeys(("recomputed", "range_low", "range_high", "tolerance", "evidence", "witness", "verdict",
-                                "certificate", "note", "digits"), "")  # fmt: skip
+    row = row or dict.fromkeys(
+        (
+            "recomputed",
+            "range_low",
+            "range_high",
+            "tolerance",
+            "evidence",
+            "witness",
+            "verdict",
+            "certificate",
+            "note",
+            "digits",
+        ),
+        "",
+    )
     joins = tuple(claim.quantity.split()) if claim.comparator == "all_of" else ()
     named = [] if joins else [claim.quantity, claim.published if claim.comparator == "less_than" else ""]
     quantities = tuple(quantity_view(found, name) for name in named if name in found.case.quantities)

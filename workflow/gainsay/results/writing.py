@@ -14,6 +14,7 @@ import numpy as np
 
 from gainsay.errors import ComputationError, GainsayError, InputError, one_of
 from gainsay.exact.rational import doubles_around
+from gainsay.results.broken import place_of
 from gainsay.results.ends import proved_ends
 from gainsay.results.listing import derived_listing, write_listing
 from gainsay.results.returned import FROM_DIGITS, PARTS, UNDECIDED, read_returned
@@ -29,13 +30,6 @@ VERBOSE = os.environ.get("GAINSAY_VERBOSE", "") not in ("", "0")
 def _listed(value: object) -> object:
     """Write what JSON does not know: arrays as lists, anything else by its text; a note must never stop a step."""
     return value.tolist() if hasattr(value, "tolist") else str(value)
-
-
-def _place(error: BaseException, root: Path) -> str:
-    """Return where in the modules of a paper an error arose."""
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [f for f in frames if Path(f.filename).is_relative_to(root / "papers")]
-    return f", at {Path(own[-1].filename).relative_to(root)}:{own[-1].lineno}" if own else ""
 
 
 class Results:
@@ -377,7 +371,7 @@ class Results:
             self._attempts.append({"where": where, "failed": message, "attempts": attempts,
                                    "traceback": traceback.format_exc()})  # fmt: skip
             tried = f", {len(attempts)} attempts" if attempts else ""
-            place = _place(error, self.case.root)
+            place = place_of(error, self.case.root)
             self.say(
                 where,
                 f"FAILED{tried}: {message}{place}; traceback in results/{self.case.name}/attempts/{self.step}.json",

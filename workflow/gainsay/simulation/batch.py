@@ -98,9 +98,15 @@ def segments(
     while time < end:
         stop = min(time + length, end)
         found = solve_ivp(
-            flat, (time, stop), state, "DOP853", rtol=share * rtol, atol=flat_atol, dense_output=True,
+            flat,
+            (time, stop),
+            state,
+            "DOP853",
+            rtol=share * rtol,
+            atol=flat_atol,
+            dense_output=True,
             first_step=None if first is None else min(first, stop - time),
-        )  # fmt: skip
+        )
         if found.status < 0 or not np.isfinite(found.y[:, -1]).all():
             raise ComputationError("flights", f"the integration ended at t = {float(found.t[-1])!r} s: {found.message}")
         yield Segment(found.t, shape, found.sol)

@@ -117,9 +117,7 @@ def _linear(entry: Any, places: Mapping[str, tuple[int, int]]) -> _Entry | None:
 
 def _is_unknown(part: list[list[_Entry]]) -> bool:
     """Whether the part is the unknown plus a constant."""
-    return all(
-        entry == {(min(i, j), max(i, j)): 1} for i, line in enumerate(part) for j, entry in enumerate(line)
-    )  # fmt: skip
+    return all(entry == {(min(i, j), max(i, j)): 1} for i, line in enumerate(part) for j, entry in enumerate(line))
 
 
 def _inequalities(
@@ -181,9 +179,7 @@ def _stacked(rows: int, unit: Mapping[int, int], minus: Mapping[int, int], M: _R
 
 def _read_lyapunov(part: list[list[_Entry]], size: int) -> _Rows:
     """Return A of a part -(A'P + P A), from the coefficients of the diagonal of P."""
-    return [
-        [-part[i][k].get((k, k), Fraction(0)) / (2 if i == k else 1) for i in range(size)] for k in range(size)
-    ]  # fmt: skip
+    return [[-part[i][k].get((k, k), Fraction(0)) / (2 if i == k else 1) for i in range(size)] for k in range(size)]
 
 
 def _read_radius(part: list[list[_Entry]], size: int) -> Fraction:

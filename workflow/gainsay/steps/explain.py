@@ -113,8 +113,11 @@ def _state(case: Case) -> str:
     )
     failures = len(read_records(case.results / "failures.csv", case.root))
     differing = len(read_records(case.results / "differences.csv", case.root))
-    said = [f"{count} {what}" for count, what in ((failures, "failures"), (differing, "differences"),
-                                                  (lost, "damaged files")) if count]  # fmt: skip
+    said = [
+        f"{count} {what}"
+        for count, what in ((failures, "failures"), (differing, "differences"), (lost, "damaged files"))
+        if count
+    ]
     return ", ".join(said) or ("draft, nothing else to say" if case.paper.draft else "as on record")
 
 

@@ -102,8 +102,11 @@ def _environment(machine: Machine, flags: frozenset[str]) -> dict[str, str]:
     kept = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
     wanted = dict(machine.variables)
     if "NPY_DISABLE_CPU_FEATURES" in wanted:
-        known = [name for name in wanted["NPY_DISABLE_CPU_FEATURES"].split()
-                 if name in __cpu_dispatch__ and __cpu_features__.get(name)]  # fmt: skip
+        known = [
+            name
+            for name in wanted["NPY_DISABLE_CPU_FEATURES"].split()
+            if name in __cpu_dispatch__ and __cpu_features__.get(name)
+        ]
         wanted["NPY_DISABLE_CPU_FEATURES"] = " ".join(known)
     return {**kept, **wanted}
 
@@ -208,8 +211,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     too_large = _report(all_used)
     rows = sorted(all_used, key=lambda row: -row[3])
     write_csv(root / "results" / "kernels.csv", COLUMNS, [(*row[:3], float(row[3]), row[4]) for row in rows])
-    print(f"kernels     {len(too_large)} numbers use more than {LARGEST_SHARE:.0%} of their tolerance, "
-          "see results/kernels.csv")  # fmt: skip
+    print(
+        f"kernels     {len(too_large)} numbers use more than {LARGEST_SHARE:.0%} of their tolerance, "
+        "see results/kernels.csv"
+    )
     return DIFFERENCES if bad or too_large else CLEAN
 
 

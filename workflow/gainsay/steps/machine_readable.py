@@ -57,8 +57,10 @@ def annotations(cases: Sequence[Case], found: Iterable[Difference]) -> Iterator[
 
 def _clean(text: str) -> str:
     """Text without the characters that XML cannot hold."""
-    return "".join(c if c in "\t\n\r" or (" " <= c and not 0xD800 <= ord(c) <= 0xDFFF and c not in "\ufffe\uffff")
-                   else "?" for c in text)  # fmt: skip
+    return "".join(
+        c if c in "\t\n\r" or (" " <= c and not 0xD800 <= ord(c) <= 0xDFFF and c not in "\ufffe\uffff") else "?"
+        for c in text
+    )
 
 
 def write_junit(path: Path, cases: Sequence[Case], found: Iterable[Difference]) -> None:

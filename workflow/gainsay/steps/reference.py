@@ -111,9 +111,15 @@ def _conclusions(module: ModuleType) -> list[str]:
 
 
 def _proofs() -> str:
-    lines = ["# Kinds of proof", "", _NOTE, "`gainsay.proof.build.certificate(kind, fields={...}, witness={...}, "
-             "quantities={of: quantity}, ...)` makes a certificate, checked. A kind concludes on what stands under "
-             "*concludes*; `quantities` says which quantity that is.", ""]  # fmt: skip
+    lines = [
+        "# Kinds of proof",
+        "",
+        _NOTE,
+        "`gainsay.proof.build.certificate(kind, fields={...}, witness={...}, "
+        "quantities={of: quantity}, ...)` makes a certificate, checked. A kind concludes on what stands under "
+        "*concludes*; `quantities` says which quantity that is.",
+        "",
+    ]
     for name in kinds.names():
         module = kinds.load(name)
         head, _, rest = _plain(module.__doc__ or "").partition("\n")
@@ -125,8 +131,15 @@ def _proofs() -> str:
 
 
 def _claims() -> str:
-    lines = ["# Kinds of claim and comparators", "", _NOTE, "## Kinds", "",
-             "| kind | what is claimed | evidence | call |", "| --- | --- | --- | --- |"]  # fmt: skip
+    lines = [
+        "# Kinds of claim and comparators",
+        "",
+        _NOTE,
+        "## Kinds",
+        "",
+        "| kind | what is claimed | evidence | call |",
+        "| --- | --- | --- | --- |",
+    ]
     for kind in get_args(Kind):
         said, call = KINDS[kind]
         needs = "certificate" if kind in PROVED else ("none" if kind == "remark" else "number with its band")
@@ -154,13 +167,22 @@ def _signature(value: Callable) -> str:
 
 
 def _entry(name: str, value: Callable) -> Iterator[str]:
-    yield from (f"### `{name}`", "", "```text", *wrap(f"{name}{_signature(value)}", 116, subsequent_indent="    "), "",
-                inspect.cleandoc(value.__doc__ or ""))  # fmt: skip
+    yield from (
+        f"### `{name}`",
+        "",
+        "```text",
+        *wrap(f"{name}{_signature(value)}", 116, subsequent_indent="    "),
+        "",
+        inspect.cleandoc(value.__doc__ or ""),
+    )
     if inspect.isclass(value):
         for method, function in vars(value).items():
             if not method.startswith("_") and inspect.isfunction(function) and function.__doc__:
-                yield from ("", *wrap(f".{method}{_signature(function)}", 116, subsequent_indent="    "),
-                            *indent(_said(value, function), "    ").splitlines())  # fmt: skip
+                yield from (
+                    "",
+                    *wrap(f".{method}{_signature(function)}", 116, subsequent_indent="    "),
+                    *indent(_said(value, function), "    ").splitlines(),
+                )
     yield from ("```", "")
 
 
@@ -181,11 +203,21 @@ def _library() -> str:
 
 def _commands(parser: argparse.ArgumentParser) -> str:
     (choices,) = (a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
-    lines = ["# Commands", "", _NOTE, "Every command takes `gainsay --root DIR` before its name: the project; by "
-             "default the one around the current folder.", "", "| exit code | meaning |", "| --- | --- |",
-             "| 0 | clean |", "| 1 | differences: something is not as on record, or a certificate is refused |",
-             "| 2 | bad input, refused in one line before anything was computed |",
-             "| 3 | not checked: what is needed for it is not there, such as a screen |", ""]  # fmt: skip
+    lines = [
+        "# Commands",
+        "",
+        _NOTE,
+        "Every command takes `gainsay --root DIR` before its name: the project; by "
+        "default the one around the current folder.",
+        "",
+        "| exit code | meaning |",
+        "| --- | --- |",
+        "| 0 | clean |",
+        "| 1 | differences: something is not as on record, or a certificate is refused |",
+        "| 2 | bad input, refused in one line before anything was computed |",
+        "| 3 | not checked: what is needed for it is not there, such as a screen |",
+        "",
+    ]
     for name, command in choices.choices.items():
         lines += [f"## `gainsay {name}`", "", command.description or "", ""]
         rows = []
@@ -195,9 +227,14 @@ def _commands(parser: argparse.ArgumentParser) -> str:
             shown = " ".join(action.option_strings) or (action.metavar or action.dest)
             rows.append(f"| `{shown}` | {_escaped(action.help or '')} |")
         lines += ["| argument | meaning |", "| --- | --- |", *rows, ""] if rows else []
-    lines += ["## Steps", "", "`snakemake --cores 2` runs what is needed; `snakemake --cores 2 PAPER` one paper. Any "
-              "step by hand: `python -m gainsay.steps.STEP PAPER`, STEP being one of synthesis, audit, simulation, "
-              "figures, views, verdicts, compare, page.", ""]  # fmt: skip
+    lines += [
+        "## Steps",
+        "",
+        "`snakemake --cores 2` runs what is needed; `snakemake --cores 2 PAPER` one paper. Any "
+        "step by hand: `python -m gainsay.steps.STEP PAPER`, STEP being one of synthesis, audit, simulation, "
+        "figures, views, verdicts, compare, page.",
+        "",
+    ]
     return "\n".join(lines).rstrip() + "\n"
 
 

@@ -155,8 +155,10 @@ def replay(root: Path, path: Path, *, figures: bool = True) -> tuple[str, list[s
     case = read_case(root, paper)
     run = spec_of(case, log, path)
     found = [
-        *origin_differences(case, run, log), *sample_differences(case, run, log), *quantity_differences(case, run, log)
-    ]  # fmt: skip
+        *origin_differences(case, run, log),
+        *sample_differences(case, run, log),
+        *quantity_differences(case, run, log),
+    ]
     if figures:
         found += figure_differences(case, run, log)
     return f"{paper}/{run.name}", found

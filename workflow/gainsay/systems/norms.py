@@ -312,8 +312,10 @@ def bounded_real_certificate_matrix(
     if not gamma > norm:
         raise InputError(
             f"bound at or below the H-infinity norm {norm!r} attained at {frequency!r} rad/s",
-            field="gamma", value=gamma, expected="a larger bound",
-        )  # fmt: skip
+            field="gamma",
+            value=gamma,
+            expected="a larger bound",
+        )
     system = StateSpace(A, B, C, D)
     A, B, C, D = system.A, system.B, system.C, system.D
     R = gamma**2 * np.eye(B.shape[1]) - D.T @ D

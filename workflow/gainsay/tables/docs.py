@@ -104,14 +104,24 @@ def _line(claim: Claim) -> str:
 
 def _verdicts(cases: list[Case]) -> str:
     """Return the document of all verdicts on record, what does not hold first."""
-    lines = ["# Verdicts on record", "", "Generated from the tables by `make docs`; do not edit. The page of a paper,",
-             "`results/<paper>/index.html`, has the number and the proof behind each.", "",
-             *_counts(cases, _doi)]  # fmt: skip
+    lines = [
+        "# Verdicts on record",
+        "",
+        "Generated from the tables by `make docs`; do not edit. The page of a paper,",
+        "`results/<paper>/index.html`, has the number and the proof behind each.",
+        "",
+        *_counts(cases, _doi),
+    ]
     for case in cases:
-        lines += ["", f"## {case.name}", "", f"{', '.join(case.paper.authors)}. {case.paper.title}. "
-                  f"{case.paper.journal}, {case.paper.year}.", "",
-                  "| verdict | where | the paper says | weight | scan of the text |",
-                  "| --- | --- | --- | --- | --- |"]  # fmt: skip
+        lines += [
+            "",
+            f"## {case.name}",
+            "",
+            f"{', '.join(case.paper.authors)}. {case.paper.title}. {case.paper.journal}, {case.paper.year}.",
+            "",
+            "| verdict | where | the paper says | weight | scan of the text |",
+            "| --- | --- | --- | --- | --- |",
+        ]
         claims = sorted(case.claims.values(), key=lambda c: (_ORDER.index(c.expected), _WEIGHTS.index(c.weight)))
         lines += [_line(claim) for claim in claims]
     return "\n".join(lines) + "\n"

@@ -98,9 +98,12 @@ def _judge_yes_or_no(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     wanted = claim.comparator in ("holds", "feasible")
     witness = "" if holds == wanted else evidence.certificates[said[0].certificate]
     return Judgement(
-        "reproduced" if holds == wanted else "contradicted", recomputed=float(holds), evidence=proved,
-        certificate=certificates, witness=witness,
-    )  # fmt: skip
+        "reproduced" if holds == wanted else "contradicted",
+        recomputed=float(holds),
+        evidence=proved,
+        certificate=certificates,
+        witness=witness,
+    )
 
 
 def _judge_scan(claim: Claim, scan: Outcome, found: Found | None) -> Judgement:
@@ -117,9 +120,13 @@ def _judge_scan(claim: Claim, scan: Outcome, found: Found | None) -> Judgement:
     verdict = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined"}[scan.outcome]
     ends = [_in_unit(claim, value) for value, _ in (scan.least, scan.greatest)]
     return Judgement(
-        verdict, evidence=scan.evidence, range_low=ends[0], range_high=ends[1], witness=scan.witness,
+        verdict,
+        evidence=scan.evidence,
+        range_low=ends[0],
+        range_high=ends[1],
+        witness=scan.witness,
         note=scan.note,
-    )  # fmt: skip
+    )
 
 
 def _kind_of_evidence(claim: Claim, found: Found | None) -> str:

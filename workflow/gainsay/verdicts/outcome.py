@@ -230,9 +230,20 @@ def outcome(claim: Claim, scan: Mapping[str, Any]) -> Outcome:
             parts["turning"] = _along_the_threshold(claim, by_value[0][0], by_value[-1][0])
     distinct = len({tuple(row) for row in scan["points"]})
     return Outcome(
-        claim.id, scan["quantity"], inputs, len(found), distinct, holding, at_best, by_value[0], by_value[-1], holds_at,
-        fails_at, boundary, **parts,
-    )  # fmt: skip
+        claim.id,
+        scan["quantity"],
+        inputs,
+        len(found),
+        distinct,
+        holding,
+        at_best,
+        by_value[0],
+        by_value[-1],
+        holds_at,
+        fails_at,
+        boundary,
+        **parts,
+    )
 
 
 def _along_the_threshold(claim: Claim, least: float, greatest: float) -> str:

@@ -80,8 +80,12 @@ class Plausible:
         ends = {"values": list(self.values)} if self.values else {"low": self.low, "high": self.high}
         parameter = self.parameter or self.name
         return {
-            "name": self.name, "unit": self.unit, **ends, "logarithmic": self.logarithmic, "parameter": parameter,
-        }  # fmt: skip
+            "name": self.name,
+            "unit": self.unit,
+            **ends,
+            "logarithmic": self.logarithmic,
+            "parameter": parameter,
+        }
 
     @classmethod
     def from_json(cls, entry: Mapping[str, Any]) -> "Plausible":

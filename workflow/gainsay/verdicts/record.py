@@ -154,9 +154,11 @@ def record_paper(case: Case) -> Iterator[str]:
         "recorded_scans": (columns(RecordedScan), list(_scan_rows(case)), case.recorded_scans),
         "recorded_reads": (columns(RecordedRead), list(_read_rows(case)), case.recorded_reads),
         "recorded_certificates": (
-            columns(RecordedCertificate), list(_certificate_rows(case)), case.recorded_certificates
+            columns(RecordedCertificate),
+            list(_certificate_rows(case)),
+            case.recorded_certificates,
         ),
-    }  # fmt: skip
+    }
     changed = 0
     for name, (header, rows, before) in tables.items():
         write_csv(case.folder / f"{name}.csv", header, [row for row, _ in rows])
