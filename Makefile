@@ -1,5 +1,5 @@
 # make            set up .venv, run everything, check          make test       set up, fast tests
-# make test-slow  tests that take minutes                      make lint       style, tables, generated documentation
+# make test-slow  tests that take minutes                      make lint       style, types, tables, documentation
 # make record     put today's values on record, show changes   make lock       resolve requirements.lock again
 # make bench      measure speed, as ratios                     make gallery    render every log without a screen
 # make docs       write the generated documentation            make clean      remove results

@@ -23,6 +23,7 @@ from tests.known.second_formulas import (
     gain,
     given_point,
     in_boxes,
+    listed,
     matrix,
     number,
     ordered,
@@ -217,10 +218,6 @@ def definite(plain, data, draw):
             edge = low if relation in (">", ">=") else -high
             held.append(edge > SLACK if relation in (">", "<") else edge > -SLACK)
     return {"definite": held}
-
-
-def listed(at, text):
-    return [at.value(t) for t in (text if isinstance(text, list) else [text])]
 
 
 def hull(matrices, draw):

@@ -273,3 +273,7 @@ def uncertainties(blocks, draw, count=25):
         yield one(lambda values=values: next(values))
     for _ in range(count):
         yield one(lambda: draw.uniform(-1, 1))
+
+
+def listed(at, text):
+    return [at.value(t) for t in (text if isinstance(text, list) else [text])]
