@@ -32,6 +32,7 @@ P, X = symmetric("P", 2), symmetric("X", 3)
 H = np.array([[0.0, 1.0], [1.0, 0.0]])
 E1, E2 = np.diag([1.0, 0.0]), np.diag([0.0, 1.0])
 ROTATION = np.array([[0.3, 1.0], [-1.0, 0.3]])  # eigenvalues 0.3 +- i
+T3 = np.array([[3.0, 1, -2], [1, 4, 2], [-1, 2, 5]])
 INTEGRATORS = np.array([[0.0, 1.0], [0.0, 0.0]])  # eigenvalue 0, twice
 
 
@@ -80,6 +81,19 @@ INFEASIBLE = {
     "interval of one point, strict": lambda: [(x > 1).named("a"), (x < 1).named("b")],
     # [[x, 1], [1, 0]] > 0: its second diagonal entry is not positive
     "zero on the diagonal, strict": lambda: [x * E1 + H > 0],
+    # v = (1, -1), (1, 1), (2, -1): v'Bv = 0 and v'Av < 0; all multipliers are multiples of vv', on the edge of the cone
+    "a semidefinite coefficient": lambda: [affine(np.array([[-1.0, 1], [1, 2]])) + x * 2 * np.ones((2, 2)) > 0],
+    "the same, closed": lambda: [affine(np.array([[0.0, 1], [1, 1]])) + x * 2 * np.ones((2, 2)) >= 0],
+    "the same, negative": lambda: [affine(np.array([[-2.0, -1], [-1, 2]])) - x * np.array([[1.0, -1], [-1, 1]]) > 0],
+    "the same, of other numbers": lambda: [affine(np.array([[1.0, 1], [1, -1]])) + x * np.outer([1, 2], [1, 2]) > 0],
+    # v = (0, 1, 1) after the change of coordinates T: v'Av = 0, which a strict inequality excludes
+    "a semidefinite coefficient and a value of zero": lambda: [
+        affine(T3.T @ np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, 1]]) @ T3) + x * (T3.T @ np.diag([1.0, 0, 0]) @ T3) > 0
+    ],
+    # the kernel of the coefficient of x, then that of y on it
+    "one kernel inside another": lambda: [
+        affine(np.diag([3.0, 2.0, -1.0])) + x * np.diag([1.0, 0, 0]) + y * np.diag([0, 1.0, 0]) > 0
+    ],
     # no common quadratic Lyapunov function: A1 A2 has a negative eigenvalue (Shorten, Narendra 2002)
     "no common Lyapunov matrix": lambda: [
         (sym(np.array([[-1.0, 10], [-0.1, -1]]).T @ P) < 0).named("1"),
@@ -100,6 +114,8 @@ FEASIBLE = {
     "inside the disk, as a Schur complement": lambda: completed(np.array([[0.5, 0.4], [0.2, 0.3]])),
     # closed inequalities meet in one point
     "closed pair": lambda: [(P >= 0).named("a"), (P <= 0).named("b")],
+    # v = (1, -1): v'Av = 1 > 0, so that x can be large enough
+    "a semidefinite coefficient": lambda: [affine(np.array([[-1.0, 0], [0, 2]])) + x * 2 * np.ones((2, 2)) > 0],
     "closed interval of one point": lambda: [(x >= 1).named("a"), (x <= 1).named("b")],
     "rank one by equalities": lambda: [P >= 0, *(equal(P[i, j], 1.0, f"{i}{j}") for i in (0, 1) for j in range(i, 2))],
     "strict interval of width 1e-13": lambda: [(x > 0).named("a"), (x < 1e-13).named("b")],

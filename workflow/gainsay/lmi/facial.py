@@ -262,12 +262,12 @@ def _smaller(program: Program, row: Row, d: np.ndarray, frame: fmpq_mat) -> list
     constraint = row.constraint
     assert isinstance(constraint, Definite), "frames are of matrix inequalities"
     made: list = []
-    equal = _exact_product(program, row, np.eye(size), outer)
+    equal = exact_product(program, row, np.eye(size), outer)
     if equal is None:
         return None
     made.append(Equal(f"{constraint.label} on the face", equal))
     if rest:
-        block = _exact_product(program, row, inner, inner)
+        block = exact_product(program, row, inner, inner)
         assert block is not None  # unit vectors pick entries
         made.append(Definite(constraint.label, block, constraint.strict, (("", len(rest)),)))
     return made
@@ -280,7 +280,7 @@ def _pivots(matrix: fmpq_mat) -> tuple[list[int], fmpq_mat]:
     return pivots, echelon.transpose()
 
 
-def _exact_product(program: Program, row: Row, left: np.ndarray, right: np.ndarray) -> Affine | None:
+def exact_product(program: Program, row: Row, left: np.ndarray, right: np.ndarray) -> Affine | None:
     """``left' F right`` with coefficients that are doubles, or None where one is not."""
 
     def exactly(block: np.ndarray) -> np.ndarray | None:

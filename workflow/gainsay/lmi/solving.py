@@ -9,6 +9,7 @@ from gainsay.lmi import backends, duality, facial, instability, large, points, s
 from gainsay.lmi.affine import Equal, Values
 from gainsay.lmi.constant import without_solver
 from gainsay.lmi.homogeneous import homogeneous_part
+from gainsay.lmi.kernels import on_kernel
 from gainsay.lmi.nearby import closer
 from gainsay.lmi.outcomes import Farkas, Infeasible, Infimum, Outcome, Solved, Unbounded, Undecided
 from gainsay.lmi.points import proved_point
@@ -86,6 +87,12 @@ def _solve(program: Program, near: Values | None, rounds: int, faces: int) -> tu
             on_face = _on_face(program, first, found, rounds, faces, attempts)
             if on_face is not None:
                 return on_face
+            smaller = on_kernel(program)
+            if smaller is not None:
+                outcome = _solve(smaller.program, None, 2, 0)[0]
+                attempts += outcome.attempts
+                if isinstance(outcome, Infeasible):
+                    return Infeasible(smaller.lifted(outcome.farkas), tuple(attempts)), program
         else:
             inside = found.x * first.unknowns
             first = scaling.from_point(program, inside)
