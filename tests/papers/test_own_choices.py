@@ -28,7 +28,12 @@ from papers.wan2014 import scans as flights
 
 ROOT = Path(__file__).resolve().parents[2]
 CASES = {paper: read_case(ROOT, paper) for paper in paper_names(ROOT)}
-READINGS = [(paper, name) for paper, case in CASES.items() for name, claim in case.claims.items() if claim.reading]
+READINGS = [
+    (paper, name)
+    for paper, case in CASES.items()
+    for name, claim in case.claims.items()
+    if claim.reading or claim.comparator == "inside"
+]
 FACTORS = (0.5, 2.0)
 #: ranges whose ends are not ours: a share of a whole, a full circle
 WHOLE = {"estimate_position_share", "estimate_velocity_share", "variation_phase"}
