@@ -124,11 +124,6 @@ def inverse_moment(moment: float, change: float) -> Lft:
     return Lft(-change / moment, 1 / moment, -change / moment, 1 / moment)
 
 
-def inverse_moment_as_printed(moment: float, change: float) -> Lft:
-    """Block M1 with the signs that (14) prints."""
-    return Lft(-change / moment, 1 / moment, change / moment, 1 / moment)
-
-
 def product_block(term: Product, moment: float, change: float) -> Lft:
     """Block M2 or M3 of (15): coefficient times moment; the sign goes with the signal, as M3 has it.
 

@@ -65,8 +65,6 @@ EQ14 = _statement(
         ("Q", "Q"): "-inverse(Q)",
     },
 )
-#: (14) as (24) gives it: one column [Y'; -Y'] for the input
-EQ14_CORRECTED = EQ14.corrected({}, without=("u again",))
 
 EQ15 = _statement(
     "(15)",

@@ -5,7 +5,7 @@ Equation numbers are those of the paper.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -159,7 +159,3 @@ class Spacecraft:
         else:
             delayed = Kx - one
         return DelaySystem(A, B7, delayed, B7 + LB * one.T, np.vstack([np.hstack([w2, exact([[0]])]), one]))
-
-    def with_(self, **changes: Any) -> "Spacecraft":
-        """Return a copy with some data changed."""
-        return replace(self, **changes)

@@ -22,10 +22,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from gainsay.logs.demo import LAYOUT, write_demo
 from gainsay.logs.foxglove import foxglove_layout
 from gainsay.logs.palette import in_plots, on_both
 from gainsay.logs.reader import read_log
+from tests.gainsay.demo_log import LAYOUT, write_demo
 
 pytestmark = pytest.mark.slow
 
@@ -102,10 +102,15 @@ def browser(tmp_path_factory):
 def look(browser, mcap, layout, scheme, picture):
     """Open a log with its layout and write what is seen once it has stopped changing."""
     page = PAGE.replace("SCHEME", json.dumps(scheme))
-    handler = type("Served", (Handler,), {"extra": {
-        "/": page.encode(), "/run.mcap": mcap.read_bytes(), "/layout.json": layout.encode()
-    }})  # fmt: skip
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+
+    class Served(Handler):
+        extra = {  # noqa: RUF012  # one run is served
+            "/": page.encode(),
+            "/run.mcap": mcap.read_bytes(),
+            "/layout.json": layout.encode(),
+        }
+
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Served)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:
         browser.call("Emulation.setDeviceMetricsOverride", width=1600, height=900, deviceScaleFactor=1, mobile=False)

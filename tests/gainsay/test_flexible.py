@@ -12,19 +12,27 @@ F = np.array([[0.5, -0.3, 0.8], [0.2, 0.9, -0.4]])
 W, ZETA = np.array([0.7, 1.3]), np.array([0.01, 0.05])
 
 
+def energy(body, state):
+    # kinetic, elastic and stiffness energy of (q, q', eta, eta')
+    m = body.modes
+    q, rate = state[:3], np.concatenate([state[3:6], state[6 + m :]])
+    G = np.zeros((3, 3)) if body.stiffness is None else body.stiffness
+    return 0.5 * (rate @ body.mass_matrix() @ rate + np.sum((body.frequency * state[6 : 6 + m]) ** 2) + q @ G @ q)
+
+
 def test_energy_is_kept_without_damping():
     body = FlexibleBody(J, F, W, 0 * ZETA, stiffness=np.diag([1.0, 2.0, 3.0]))
     A, _ = body.state_space()
     x = np.random.default_rng(0).standard_normal(10)
     # law: no damping, no torque
-    assert body.energy(expm(7.0 * A) @ x) == pytest.approx(body.energy(x), rel=1e-11)
+    assert energy(body, expm(7.0 * A) @ x) == pytest.approx(energy(body, x), rel=1e-11)
 
 
 def test_damping_takes_energy():
     body = FlexibleBody(J, F, W, ZETA)
     A, _ = body.state_space()
     x = np.random.default_rng(1).standard_normal(10)
-    assert body.energy(expm(5.0 * A) @ x) < body.energy(x)
+    assert energy(body, expm(5.0 * A) @ x) < energy(body, x)
 
 
 def test_rigid_momentum():

@@ -15,7 +15,7 @@ import zstandard
 from gainsay.errors import LogError
 from gainsay.logs import LogWriter, read_log
 from gainsay.logs.container import MAGIC
-from gainsay.logs.demo import write_demo
+from tests.gainsay.demo_log import write_demo
 
 #: what docs/robustness.md says of these campaigns
 TRIED = [

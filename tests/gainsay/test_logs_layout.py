@@ -24,11 +24,11 @@ from gainsay.logs import (
     read_log,
 )
 from gainsay.logs.check import check_layout, layout_problems
-from gainsay.logs.demo import LAYOUT, write_demo
 from gainsay.logs.eye import eye_of
 from gainsay.logs.foxglove import foxglove_layout
 from gainsay.logs.layout import bound_lines, playback_speed
 from gainsay.logs.palette import ROLES, in_plots, on_both, rgb, role
+from tests.gainsay.demo_log import LAYOUT, write_demo
 
 
 @pytest.fixture(scope="module")

@@ -13,9 +13,9 @@ from mcap.reader import NonSeekingReader, make_reader
 
 from gainsay.errors import InputError, LogError
 from gainsay.logs import Appendage, Body, LogWriter, read_log
-from gainsay.logs.demo import write_demo
 from gainsay.logs.sampling import moving_samples
 from gainsay.logs.schemas import foxglove_class, signal_schema
+from tests.gainsay.demo_log import write_demo
 
 UNITS = {"x": "m", "y": "m/s"}
 

@@ -15,12 +15,12 @@ import pytest
 
 from gainsay.errors import InputError, LogError
 from gainsay.logs import Bound, Layout, Line, LogWriter, Plot, Tab, commands, read_log
-from gainsay.logs.demo import LAYOUT, write_demo
 from gainsay.logs.palette import rgb
 from gainsay.logs.quiet import call, quiet, rerun_binary
 from gainsay.logs.render import NotCheckedError, empty, render
 from gainsay.logs.topics import Topics
 from gainsay.logs.views import write_views
+from tests.gainsay.demo_log import LAYOUT, write_demo
 
 
 @pytest.fixture(scope="module")
@@ -370,7 +370,7 @@ def test_the_viewer_finds_empty_and_broken_views(root, tmp_path):
 import sys
 from pathlib import Path
 import gainsay.logs.views as views, gainsay.logs.blueprint as made
-from gainsay.logs.demo import LAYOUT
+from tests.gainsay.demo_log import LAYOUT
 for name in ("TimeSeriesView", "Spatial3DView", "TextLogView", "TextDocumentView"):
     kind = getattr(made.rrb, name)
     def nothing(kind=kind, **keywords):
@@ -381,7 +381,7 @@ for name in ("TimeSeriesView", "Spatial3DView", "TextLogView", "TextDocumentView
 views.write_views(Path(sys.argv[1]), LAYOUT)
 """
     mcap = write_demo(tmp_path / "nothing.mcap", samples=101)
-    subprocess.run([sys.executable, "-c", code, str(mcap)], check=True)
+    subprocess.run([sys.executable, "-c", code, str(mcap)], check=True, cwd=Path(__file__).resolve().parents[2])
     found = viewer(tmp_path / "nothing.rrd", tmp_path / "nothing.png")
     assert {problem for problem in found.problems if problem.endswith(": empty")} == {
         f"nothing: {panel.title}: empty" for panel in LAYOUT.panels()

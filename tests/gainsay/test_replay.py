@@ -211,7 +211,7 @@ def test_ten_million_samples_are_simulated_read_and_replayed_in_300_mb(project, 
 
 def test_a_large_log_read_from_its_file_gives_the_same_bits(tmp_path, monkeypatch):
     """What is not kept in memory is read again; nothing of what a log says depends on that."""
-    from gainsay.logs.demo import write_demo
+    from tests.gainsay.demo_log import write_demo
 
     path = write_demo(tmp_path / "demo.mcap", samples=501)
     kept = read_log(path)

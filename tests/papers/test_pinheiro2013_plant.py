@@ -5,12 +5,12 @@ from hypothesis import strategies as st
 
 from gainsay.dynamics import attitude
 from gainsay.errors import InputError
+from gainsay.systems.lft import Lft
 from papers.pinheiro2013.plant import (
     GROUPS,
     Satellite,
     generalized_plant,
     inverse_moment,
-    inverse_moment_as_printed,
     linear_model,
 )
 
@@ -35,7 +35,9 @@ def test_printed_sign_of_the_inverse_moment_is_wrong(delta):
     # 1/(I + p delta) itself is the expected value.
     inertia, change = 20.0, 2.0
     assert inverse_moment(inertia, change).close([[delta]]).item() == pytest.approx(1 / (inertia + change * delta))
-    printed = inverse_moment_as_printed(inertia, change).close([[delta]]).item()
+    printed = (
+        Lft(-change / inertia, 1 / inertia, change / inertia, 1 / inertia).close([[delta]]).item()
+    )  # the signs of (14)
     assert (printed - 1 / inertia) * (1 / (inertia + change * delta) - 1 / inertia) < 0
 
 

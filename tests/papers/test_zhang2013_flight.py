@@ -1,6 +1,7 @@
 """Plant and runs of zhang2013 against physics, closed forms and an independent integrator."""
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -40,7 +41,7 @@ def test_flexible_plant_solves_the_equations_of_motion():
 
 
 def test_energy_is_kept_without_damping():
-    craft = CRAFT.with_(damping=(Fraction(0), Fraction(0)))
+    craft = replace(CRAFT, damping=(Fraction(0), Fraction(0)))
     A = craft.flexible()[0].astype(float)
     F, w = np.array([float(f) for f in craft.coupling]), np.array([3.17, 7.38])
 
@@ -123,7 +124,7 @@ def test_bad_choices_are_refused():
     with pytest.raises(InputError, match="delay mode"):
         CRAFT.flexible_loop(K, L, "some")
     with pytest.raises(InputError, match="J - F F'"):
-        CRAFT.with_(inertia=Fraction(1))
+        replace(CRAFT, inertia=Fraction(1))
 
 
 def test_a_law_outside_the_paper_is_refused_with_the_time():

@@ -174,12 +174,6 @@ def gravity_gradient(inertia: ArrayLike, angles: Vector, n: float) -> np.ndarray
     return 3 * n**2 * cross(nadir, (J * nadir) if J.ndim == 1 else J @ nadir)
 
 
-def gravity_gradient_linear(inertia: Vector, angles: Vector, n: float) -> np.ndarray:
-    """Gravity-gradient torque to first order in the angles for principal moments, N m."""
-    Ix, Iy, Iz = np.diagonal(inertia_matrix(inertia)).tolist()
-    return 3 * n**2 * np.array([(Iz - Iy) * angles[0], (Iz - Ix) * angles[1], 0.0])
-
-
 def derivative(
     state: Vector,
     inertia: ArrayLike,
@@ -218,16 +212,3 @@ def derivative(
     momentum = J * omega if J.ndim == 1 else J @ omega
     moment = gradient(inertia, angles, n) + np.asarray(torque, dtype=float) - cross(omega, momentum)
     return np.concatenate([euler_rates(angles, omega, n), moment / J if J.ndim == 1 else np.linalg.solve(J, moment)])
-
-
-def jacobi_integral(state: Vector, inertia: ArrayLike, n: float) -> float:
-    """Constant of the motion on a circular orbit without control and disturbance, J.
-
-    Kinetic energy of the rate relative to LVLH, plus 3/2 n^2 a3'J a3, minus 1/2 n^2 a2'J a2.
-    """
-    J = inertia_matrix(inertia)
-    C = direction_cosines(state[:3])
-    relative = np.asarray(state[3:6], dtype=float) + n * C[:, 1]
-    return float(
-        0.5 * relative @ J @ relative + 1.5 * n**2 * C[:, 2] @ J @ C[:, 2] - 0.5 * n**2 * C[:, 1] @ J @ C[:, 1]
-    )

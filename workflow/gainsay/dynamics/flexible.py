@@ -102,12 +102,3 @@ class FlexibleBody:
         B = np.zeros((6 + 2 * m, 3))
         B[3:6], B[6 + m :] = push[:3], push[3:]
         return A, B
-
-    def energy(self, state: np.ndarray) -> np.ndarray:
-        """Kinetic plus elastic plus stiffness energy of states (..., 6 + 2 m), J; constant where nothing damps."""
-        m = self.modes
-        q, rate = state[..., :3], np.concatenate([state[..., 3:6], state[..., 6 + m :]], axis=-1)
-        kinetic = np.einsum("...i,ij,...j->...", rate, self.mass_matrix(), rate)
-        elastic = np.sum((np.asarray(self.frequency) * state[..., 6 : 6 + m]) ** 2, axis=-1)
-        G = np.zeros((3, 3)) if self.stiffness is None else self.stiffness
-        return 0.5 * (kinetic + elastic + np.einsum("...i,ij,...j->...", q, G, q))
