@@ -19,6 +19,7 @@ from gainsay.tables.models import Comparator, Kind
 
 ROOT = Path(__file__).resolve().parents[2]
 GUIDE = ROOT / "docs" / "adding-a-paper.md"
+CAPTIONS = ROOT / "workflow/gainsay/rules/captions"
 PAGES = [
     ROOT / "README.md", ROOT / "CONTRIBUTING.md", GUIDE, ROOT / "docs" / "architecture.md",
     ROOT / "workflow/gainsay/scaffold/project/README.md",
@@ -57,7 +58,7 @@ def test_every_kind_and_comparator_is_explained():
 def test_the_guide_from_an_empty_folder(tmp_path):
     """Every block of the guide that a reader types, in order, ends without an error."""
     blocks = re.findall(r"```sh\n(.*?)```", GUIDE.read_text(), re.DOTALL)
-    assert len(blocks) == 2
+    assert len(blocks) == 3
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     for block in blocks:
         done = subprocess.run(
@@ -79,6 +80,16 @@ def test_the_tutorial_is_clean_in_a_project_of_its_own(tmp_path):
         check=False, timeout=600,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
+    shown = subprocess.run(
+        [str(Path(sys.executable).parent / "snakemake"), "--report", "report.html"], cwd=root, capture_output=True,
+        text=True, check=False, timeout=120,
+    )  # fmt: skip
+    assert shown.returncode == 0, shown.stdout + shown.stderr
+    page = (root / "report.html").read_text()
+    captions = [path.read_text().split()[:4] for path in CAPTIONS.glob("*.rst")]
+    assert len(captions) == 4
+    for caption in captions:
+        assert " ".join(caption) in page
     with (root / "results/double_integrator/quantities.csv").open(newline="") as file:
         found = {row["quantity"]: float(row["value"]) for row in csv.DictReader(file)}
     # closed forms, but for the digits of the printed gain: sqrt(2), root of the golden ratio, exp(-pi)

@@ -117,7 +117,7 @@ def test_view_refuses_what_is_not_there(root, paper, run, words):
 
 def test_view_without_a_run_opens_the_nominal_one(root, monkeypatch, capsys):
     asked = []
-    monkeypatch.setattr(commands, "_open", lambda rrd, ports: asked.append((rrd.stem, ports)) or 0)
+    monkeypatch.setattr(commands, "_open", lambda _, rrd, ports: asked.append((rrd.stem, ports)) or 0)
     monkeypatch.setenv("DISPLAY", ":0")
     toml = root / "papers/demo/paper.toml"
     toml.parent.mkdir(parents=True)
@@ -128,8 +128,18 @@ def test_view_without_a_run_opens_the_nominal_one(root, monkeypatch, capsys):
     toml.unlink()
 
 
+def test_without_the_viewer_a_line_names_the_extra_that_brings_it(root, monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(sys, "path", [])
+    monkeypatch.setenv("PATH", str(tmp_path))
+    for work in (lambda: commands.view(root, "demo", "spiral"), lambda: commands.gallery(root)):
+        assert work() == 3
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "the Rerun viewer is not installed" in line
+        assert "pip install 'gainsay[view]'" in line
+
+
 def test_without_a_screen_a_line_says_how_to_look(root, monkeypatch, capsys):
-    monkeypatch.setattr(commands, "_open", lambda rrd, ports: pytest.fail("nothing is opened"))
+    monkeypatch.setattr(commands, "_open", lambda _, rrd, ports: pytest.fail("nothing is opened"))
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     assert commands.view(root, "demo", "spiral") == 3

@@ -155,12 +155,16 @@ def test_an_interrupted_step_leaves_nothing_that_counts(project):
     assert read_part(case, "files") == []
 
 
-def test_files_of_an_earlier_run_go_before_the_next(project):
+@pytest.mark.parametrize("listed", [True, False])
+def test_files_of_an_earlier_run_go_before_the_next(project, listed):
+    """Also where the list is gone: Snakemake deletes the outputs of a job before it begins."""
     case = project.case()
     results = Results(case, "audit")
     results.certificate(Paper("gone-tomorrow"))
     results.close()
     assert "certificates/gone-tomorrow.json" in files(case)
+    if not listed:
+        (case.results / "parts/audit.files.csv").unlink()
     results = Results(case, "audit")
     results.certificate(Paper("stays"))
     results.close()

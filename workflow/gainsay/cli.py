@@ -5,10 +5,11 @@ import math
 import os
 import sys
 from collections.abc import Callable, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 from gainsay import __version__
-from gainsay.errors import ComputationError, GainsayError, InputError
+from gainsay.errors import ComputationError, GainsayError, InputError, missing_extra, one_line
 from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, broken_off, refuse
 from gainsay.tables import Case, find_root, paper_names, read_case
 
@@ -116,7 +117,32 @@ def new(options: argparse.Namespace) -> int:
     else:
         folder = new_project(options.project.resolve(), options.id)
     print(f"{folder}: a worked example; next: gainsay lint, snakemake --cores 2, gainsay record")
+    if find_spec("snakemake") is None:
+        print(f"snakemake is not installed here: it comes with {missing_extra('snakemake')}")
     return CLEAN
+
+
+def export(options: argparse.Namespace) -> int:
+    """Write a run as a Workflow Run RO-Crate: inputs, outputs, digests, versions, and who is responsible."""
+    from gainsay.steps.archive import Responsible, export
+
+    responsible = Responsible(options.responsible, options.license, options.id)
+    cases = [read_case(options.root, paper) for paper in dict.fromkeys(_papers(options.root, options.papers))]
+    print(export(cases, options.crate.resolve(), responsible))
+    return CLEAN
+
+
+def verify(options: argparse.Namespace) -> int:
+    """Check a crate without computing: files, certificates, and that its tables follow from its results."""
+    from gainsay.steps.verify import verify as verified
+
+    wrong, checked = verified(options.crate.resolve())
+    for line in [*checked, *wrong[:MOST_LINES]]:
+        print(one_line(line, LONGEST))
+    if len(wrong) > MOST_LINES:
+        print(f"and {len(wrong) - MOST_LINES} more")
+    print(f"{one_line(str(options.crate))}: {'REFUSED' if wrong else 'clean'}")
+    return DIFFERENCES if wrong else CLEAN
 
 
 def record(options: argparse.Namespace) -> int:
@@ -249,6 +275,13 @@ def _parser() -> argparse.ArgumentParser:
     making = add("new", new)
     making.add_argument("id", help="name of the paper's folder, such as wan2014")
     making.add_argument("--project", type=Path, metavar="DIR", help="make a project of its own in this empty folder")
+    exporting = add("export", export)
+    exporting.add_argument("crate", type=Path, help="a new folder, or a new file that ends in .zip")
+    exporting.add_argument("papers", nargs="*", help="default: all")
+    exporting.add_argument("--responsible", required=True, metavar="NAME", help="who answers for the run")
+    exporting.add_argument("--license", required=True, help="a name of the SPDX list such as CC-BY-4.0, or an address")
+    exporting.add_argument("--id", default="", metavar="URL", help="ORCID or ROR address of who is responsible")
+    add("verify", verify).add_argument("crate", type=Path, help="a folder or a zip file written by `gainsay export`")
     searched = add("search", search)
     searched.add_argument("paper", help="folder name below papers/")
     searched.add_argument("design", nargs="?", help="a name of [designs] in paper.toml; default: all")
@@ -322,7 +355,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code."""
     options = _parser().parse_args(arguments)
     try:
-        if options.work is not diff and getattr(options, "project", None) is None:  # these work outside a project
+        if options.work not in (diff, verify) and getattr(options, "project", None) is None:  # these need no project
             options.root = find_root(options.root)
         code = options.work(options)
         sys.stdout.flush()

@@ -107,6 +107,21 @@ def one_of(name: str, known: Iterable[str], most: int = 12) -> str:
     return f"{near!r}? It is one of {listed}" if near else f"one of {listed or 'none'}"
 
 
+#: module -> the extra of this package that brings it
+EXTRAS = {"rerun": "view", "pandas": "view", "snakemake": "workflow", "rocrate": "crate"}
+
+
+def missing_extra(module: str) -> str:
+    """Say how to install what an optional module needs.
+
+    Examples
+    --------
+    >>> missing_extra("snakemake")
+    "the extra workflow: pip install 'gainsay[workflow]'"
+    """
+    return f"the extra {EXTRAS[module]}: pip install 'gainsay[{EXTRAS[module]}]'"
+
+
 class LogError(InputError):
     """A log that cannot be read as it should; names the byte where it broke where that is known."""
 

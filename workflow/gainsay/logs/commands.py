@@ -120,6 +120,11 @@ def view(root: Path, paper: str, run: str | None = None, *, web: bool = False) -
     rrd = runs[run].with_suffix(".rrd")
     if not rrd.is_file():
         raise InputError("not made yet", file=f"results/{paper}/logs/{rrd.name}", expected="the views step to have run")
+    try:
+        binary = rerun_binary()
+    except LogError as error:
+        print(f"not shown: {error}", file=sys.stderr)
+        return 3
     screen = sys.platform != "linux" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ports = (_free_port(9090), _free_port(9876)) if web or not screen else ()
     if ports and not screen:
@@ -132,7 +137,7 @@ def view(root: Path, paper: str, run: str | None = None, *, web: bool = False) -
         )
         if not web:
             return 3
-    return _open(rrd, ports)
+    return _open(binary, rrd, ports)
 
 
 def _free_port(first: int) -> int:
@@ -144,27 +149,23 @@ def _free_port(first: int) -> int:
     return first
 
 
-def _open(rrd: Path, ports: tuple[int, ...]) -> int:
+def _open(binary: str, rrd: Path, ports: tuple[int, ...]) -> int:
     """Run the viewer to its end; with ports, those of the page and of the data, in the web browser."""
-    try:
-        binary = rerun_binary()
-    except LogError as error:
-        print(f"not shown: {error}", file=sys.stderr)
-        return 3
     arguments = [binary, str(rrd), "--bind", "127.0.0.1", "--port", str(ports[1]) if ports else "auto"]
     if ports:
         arguments += ["--web-viewer", "--web-viewer-port", str(ports[0])]
     with quiet() as environment:
         environment.pop("RUST_LOG", None)  # the address of the web viewer is told as information
-        viewer = subprocess.Popen(arguments, env=environment)
         # A terminated command must not leave its viewer behind: end it by its own process id.
         before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+        viewer = None
         try:
+            viewer = subprocess.Popen(arguments, env=environment)
             code = viewer.wait()
         except KeyboardInterrupt:
             code = 0
         finally:
-            if viewer.poll() is None:
+            if viewer is not None and viewer.poll() is None:
                 viewer.terminate()
                 viewer.wait()
             signal.signal(signal.SIGTERM, before)
@@ -182,6 +183,11 @@ def gallery(root: Path, papers: Iterable[str] = (), *, out: str = "gallery") -> 
     """
     from gainsay.logs.render import NotCheckedError, render
 
+    try:
+        rerun_binary()
+    except LogError as error:
+        print(f"not checked: {error}", file=sys.stderr)
+        return 3
     code = 0
     shown: list[tuple[Path, list[Path]]] = []
     for paper in tuple(papers) or (None,):

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from gainsay.errors import LogError
+from gainsay.errors import LogError, missing_extra
 
 
 @contextmanager
@@ -61,7 +61,7 @@ def rerun_binary() -> str:
             return str(found)
     command = shutil.which("rerun")
     if command is None:
-        raise LogError("the Rerun viewer is not installed", expected="the package rerun-sdk")
+        raise LogError("the Rerun viewer is not installed", expected=missing_extra("rerun"))
     return command
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 import numpy as np
 from google.protobuf.message import DecodeError
 
-from gainsay.errors import InputError, LogError
+from gainsay.errors import InputError, LogError, missing_extra
 from gainsay.logs.scan import RawChannel, RawLog, again, columns_of, scan
 from gainsay.logs.schemas import foxglove_class
 from gainsay.logs.writer import EVENTS, EXTREMES, LEVELS, PROVENANCE, SUMMARY
@@ -91,7 +91,10 @@ class Signal:
 
     def frame(self) -> "pandas.DataFrame":
         """Table with the time as index and a column for each field; units in ``attrs["units"]``."""
-        import pandas
+        try:
+            import pandas
+        except ImportError:
+            raise InputError("pandas is not installed", expected=missing_extra("pandas")) from None
 
         table = pandas.DataFrame(self.values, columns=list(self.fields), index=pandas.Index(self.time, name="time"))
         table.attrs["units"] = dict(self.units)

@@ -75,12 +75,12 @@ def _provenance(root: Path, tables: Iterable[Path], code: Iterable[str], about: 
         ("code that computed them", _digest(root, [root / file for file in code])),
         ("every library and its digest (requirements.lock)", _digest(root, [root / "requirements.lock"])),
     ]
-    versions = [
-        ("gainsay", __version__),
-        ("contract of the results", CONTRACT),
-        *((library, _version(library)) for library in LIBRARIES),
-    ]
-    return Provenance(tuple(digests), tuple(versions))
+    gainsay, *others = _versions()
+    return Provenance(tuple(digests), (gainsay, ("contract of the results", CONTRACT), *others))
+
+
+def _versions() -> list[tuple[str, str]]:
+    return [("gainsay", __version__), *((library, _version(library)) for library in LIBRARIES)]
 
 
 def provenance_of(found: PaperResults) -> Provenance:
@@ -125,7 +125,7 @@ def write_provenance(root: Path) -> Path:
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "processor": _processor(),
         "processors": os.cpu_count(),
-        "python": platform.python_version(),
+        "versions": {"python": platform.python_version(), **dict(_versions())},
         "kernels": {name: os.environ.get(name) for name in ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES",
                                                             "GLIBC_TUNABLES", "OMP_NUM_THREADS")},
     }  # fmt: skip

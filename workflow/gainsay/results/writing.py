@@ -60,12 +60,17 @@ class Results:
     def _listing(self) -> Path:
         return self.case.results / "parts" / f"{self.step}.files.csv"
 
+    def _kept_listing(self) -> Path:
+        """The list once more, where Snakemake does not delete it before the step begins."""
+        return self.case.results / "attempts" / self._listing().name
+
     def _forget_earlier_files(self) -> None:
         """Delete what an earlier run of the step left, so that an interrupted step does not look like a done one."""
         remove_abandoned(self.case.results)
-        with suppress(InputError):  # a list that is damaged names no file for sure
-            for row in read_returned(self._listing(), self.case.root):
-                (self.case.results / row["file"]).unlink(missing_ok=True)
+        for listing in (self._listing(), self._kept_listing()):
+            with suppress(InputError):  # a list that is damaged names no file for sure
+                for row in read_returned(listing, self.case.root):
+                    (self.case.results / row["file"]).unlink(missing_ok=True)
         self._listing().unlink(missing_ok=True)
         derived_listing(self._listing(), self.case.results).unlink(missing_ok=True)
         for part in PARTS:
@@ -390,6 +395,7 @@ class Results:
             write_csv(parts / f"{self.step}.{part}.csv", columns, self._rows[part])
             made[f"parts/{self.step}.{part}.csv"] = ""
         write_listing(self._listing(), self.case.results, made)
+        write_atomically(self._kept_listing(), self._listing().read_bytes())
         counts = [(len(self._rows["quantities"]), "numbers")]
         for folder in ("certificates", "scans", "logs", "figures"):
             counts.append((sum(file.startswith(f"{folder}/") for file in self._written), folder))

@@ -33,7 +33,9 @@ def chosen_papers():
                 "configuration", value=name, expected=one_of(name, settings)
             )
     known = paper_names(ROOT)
-    chosen = [checked_name(name) for name in str(config["papers"]).split(",") if name]
+    asked = config.get("papers") or []
+    asked = asked if isinstance(asked, list) else str(asked).split(",")
+    chosen = [checked_name(str(name).strip()) for name in asked if str(name).strip()]
     for name in chosen:
         if name not in known:
             raise InputError("unknown paper", value=name, expected=one_of(name, known))
@@ -46,7 +48,7 @@ def chosen_papers():
 
 def numeric_threads():
     """The number of threads of each numeric library."""
-    count = str(config["numeric_threads"])
+    count = str(config.get("numeric_threads", 1))
     if not (count.isascii() and count.isdigit() and 0 < int(count) < 1000):
         raise InputError(
             "configuration", field="numeric_threads", value=count, expected="1 or more"

@@ -52,8 +52,10 @@ def check(cases: Sequence[Case]) -> list[Difference]:
             try:
                 own |= dict.fromkeys(part(case))
             except InputError as error:
-                if not (case.results / "parts").is_dir():  # nothing was computed: there is nothing to check
-                    raise
+                if not (case.results / "parts").is_dir():
+                    raise InputError(
+                        "nothing computed yet", file=f"results/{case.name}", expected="a run of `snakemake --cores 2`"
+                    ) from None
                 file = str(error.file).removeprefix(f"results/{case.name}/")
                 own[case.name, "file", file, "as the step left it", "damaged", str(error)] = None
         found += own

@@ -5,20 +5,29 @@ import sys
 from gainsay.results.listing import write_listing
 from gainsay.steps.command import step_command
 from gainsay.tables import Case
-from gainsay.tables.files import write_csv
+from gainsay.tables.files import Table, write_csv
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS, differences
 from gainsay.verdicts.published import PUBLISHED_COLUMNS, published_rows
 
 
+def compared(case: Case) -> dict[str, Table]:
+    """Return the published numbers of a paper and what differs from the record, as tables by the name of their file."""
+    published = [[row[column] for column in PUBLISHED_COLUMNS] for row in published_rows(case)]
+    return {
+        "published": (PUBLISHED_COLUMNS, published),
+        "differences": (DIFFERENCE_COLUMNS, [list(row) for row in differences(case)]),
+    }
+
+
 def compare(case: Case) -> None:
-    """Write published.csv and differences.csv of a paper (only a header where nothing differs)."""
-    published, found = published_rows(case), differences(case)
-    rows = [[row[column] for column in PUBLISHED_COLUMNS] for row in published]
-    write_csv(case.results / "published.csv", PUBLISHED_COLUMNS, rows)
-    write_csv(case.results / "differences.csv", DIFFERENCE_COLUMNS, found)
+    """Write what `compared` finds (only a header where nothing differs)."""
+    tables = compared(case)
+    for name, (columns, rows) in tables.items():
+        write_csv(case.results / f"{name}.csv", columns, rows)
     listing = case.results / "parts" / "compare.files.csv"
-    write_listing(listing, case.results, {"published.csv": "", "differences.csv": ""})
-    print(f"{case.name}  compare     {len(published)} published numbers, {len(found)} differences from the record")
+    write_listing(listing, case.results, {f"{name}.csv": "" for name in tables})
+    published, found = (len(tables[name][1]) for name in ("published", "differences"))
+    print(f"{case.name}  compare     {published} published numbers, {found} differences from the record")
 
 
 if __name__ == "__main__":

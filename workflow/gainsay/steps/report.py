@@ -12,9 +12,9 @@ from gainsay.results.returned import VERDICT_COLUMNS, read_returned
 from gainsay.steps.command import CLEAN, broken_off, refuse
 from gainsay.steps.holding import hold_as_step
 from gainsay.steps.page import results_of
-from gainsay.tables import find_root, read_case
+from gainsay.tables import Case, find_root, read_case
 from gainsay.tables.contract import README
-from gainsay.tables.files import write_atomically, write_csv
+from gainsay.tables.files import Table, write_atomically, write_csv
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.published import PUBLISHED_COLUMNS
 
@@ -26,23 +26,30 @@ JOINED = {
 }
 
 
-def _rows(found: PaperResults, table: str, columns: Sequence[str]) -> list[dict[str, str]]:
+def _rows(case: Case, table: str, columns: Sequence[str]) -> list[dict[str, str]]:
     """Rows of a paper's table; none where it is missing or damaged, which the page says."""
     own = [column for column in columns if table != "verdicts" or column != "paper"]
     try:
-        return read_returned(found.case.results / f"{table}.csv", found.case.root, own)
+        return read_returned(case.results / f"{table}.csv", case.root, own)
     except InputError:
         return []
 
 
+def joined(cases: Sequence[Case]) -> dict[str, Table]:
+    """Return the tables over some papers by the name of their file."""
+    return {
+        table: (columns, [
+            [case.name if column == "paper" else row[column] for column in columns]
+            for case in cases
+            for row in _rows(case, table, columns)
+        ])
+        for table, columns in JOINED.items()
+    }  # fmt: skip
+
+
 def write_report(root: Path, papers: Sequence[PaperResults]) -> None:
     """Write the joined tables, results/index.html and README.md with the contract version, and the list of them."""
-    for table, columns in JOINED.items():
-        rows = [
-            [found.case.name if column == "paper" else row[column] for column in columns]
-            for found in papers
-            for row in _rows(found, table, columns)
-        ]
+    for table, (columns, rows) in joined([found.case for found in papers]).items():
         write_csv(root / "results" / f"{table}.csv", columns, rows)
     write_index(root, papers)
     write_provenance(root)  # not in the list of files: it is never the same twice

@@ -7,29 +7,51 @@ from gainsay.results.listing import write_listing
 from gainsay.results.returned import CERTIFICATE_COLUMNS, PARTS, VERDICT_COLUMNS, read_part
 from gainsay.steps.command import step_command
 from gainsay.tables import Case
-from gainsay.tables.files import write_csv
+from gainsay.tables.files import Table, write_csv
+from gainsay.verdicts.evidence import Evidence
 from gainsay.verdicts.table import verdict_rows
 
-#: what the step writes below the paper's results
-TABLES = (*PARTS, "certificates", "verdicts")
+
+def judged(case: Case) -> tuple[dict[str, Table], Evidence]:
+    """Return the joined tables of a paper, its certificates with what the checker says, and its verdicts.
+
+    Returns
+    -------
+    tables : dict of name to (columns, rows)
+        By the name of its file.
+    evidence : Evidence
+    """
+    tables: dict[str, Table] = {}
+    for part, columns in PARTS.items():
+        tables[part] = columns, [[row[column] for column in columns] for row in read_part(case, part)]
+    rows, evidence = verdict_rows(case)
+    tables["certificates"] = (
+        CERTIFICATE_COLUMNS,
+        [
+            *((name, True, sentence) for name, sentence in evidence.certificates.items()),
+            *((name, False, reason) for name, reason in evidence.refused.items()),
+        ],
+    )
+    tables["verdicts"] = VERDICT_COLUMNS, [[row[column] for column in VERDICT_COLUMNS] for row in rows]
+    return tables, evidence
 
 
 def verdicts(case: Case) -> None:
-    """Write the joined tables of a paper, its certificates with what the checker says, and its verdicts."""
-    for part, columns in PARTS.items():
-        cells = [[row[column] for column in columns] for row in read_part(case, part)]
-        write_csv(case.results / f"{part}.csv", columns, cells)
-    rows, evidence = verdict_rows(case)
-    write_csv(case.results / "certificates.csv", CERTIFICATE_COLUMNS, [
-        *((name, True, sentence) for name, sentence in evidence.certificates.items()),
-        *((name, False, reason) for name, reason in evidence.refused.items()),
-    ])  # fmt: skip
-    write_csv(case.results / "verdicts.csv", VERDICT_COLUMNS, [[row[c] for c in VERDICT_COLUMNS] for row in rows])
-    files = {f"{table}.csv": "" for table in TABLES}
+    """Write what `judged` finds."""
+    tables, evidence = judged(case)
+    for name, (columns, rows) in tables.items():
+        write_csv(case.results / f"{name}.csv", columns, rows)
+    files = {f"{table}.csv": "" for table in tables}
     write_listing(case.results / "parts" / "verdicts.files.csv", case.results, files)
-    counts = Counter(row["verdict"] for row in rows)
-    said = ", ".join(f"{counts[verdict]} {verdict}" for verdict in counts)
-    print(f"{case.name}  verdicts    {len(rows)} claims: {said}; {len(evidence.certificates)} certificates checked")
+    said = counted(tables["verdicts"])
+    print(f"{case.name}  verdicts    {said}; {len(evidence.certificates)} certificates checked")
+
+
+def counted(verdicts: Table) -> str:
+    """Say how many claims a table of verdicts holds, and how they came out."""
+    columns, rows = verdicts
+    counts = Counter(row[columns.index("verdict")] for row in rows)
+    return f"{len(rows)} claims: " + ", ".join(f"{counts[verdict]} {verdict}" for verdict in counts)
 
 
 if __name__ == "__main__":

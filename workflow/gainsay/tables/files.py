@@ -17,6 +17,8 @@ from gainsay.errors import InputError, one_line
 #: bytes of a table at most: what is larger is not one
 LARGEST = 1 << 26
 _PART = ".part"
+#: columns and rows
+Table = tuple[Sequence[str], Sequence[Sequence[object]]]
 _UMASK = os.umask(0o022)  # it can only be read by setting it
 os.umask(_UMASK)
 
@@ -65,13 +67,18 @@ def cell(value: object) -> str:
     return str(value).replace("\r\n", "\n").replace("\r", "\n")  # csv would leave a bare carriage return unquoted
 
 
-def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Write a table with a header, atomically."""
+def csv_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a table with a header as the text of its file."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(header)
     writer.writerows([cell(value) for value in row] for row in rows)
-    write_atomically(path, text.getvalue())
+    return text.getvalue()
+
+
+def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a table with a header, atomically."""
+    write_atomically(path, csv_text(header, rows))
 
 
 def write_json(path: Path, content: object, default: Callable[[object], object] | None = None) -> None:

@@ -191,11 +191,13 @@ def record_sentence(differences: Sequence[Sequence[str]]) -> str:
     ]
     verdicts = sum(found["verdict"] for found in papers.values())
     verb = "differs" if len(differences) == 1 else "differ"
-    ending = "no verdict does" if not verdicts else f"{_several(verdicts, 'verdict')} among them"
-    return f"{' and '.join(parts)} {verb} from the record, {ending}"
+    said = f"{' and '.join(parts)} {verb} from the record"
+    if verdicts == len(differences):
+        return said
+    return f"{said}, {_several(verdicts, 'verdict')} among them" if verdicts else f"{said}, no verdict does"
 
 
 def record_line(differences: Sequence[Sequence[str]]) -> str:
     """Return the last line of `make`: the sentence on the record, and where to look."""
     line = f"{record_sentence(differences)}; page: results/index.html"
-    return f"{line}; details: results/differences.csv; `make record` accepts" if differences else line
+    return f"{line}; details: results/differences.csv; `gainsay record` accepts" if differences else line

@@ -1,0 +1,55 @@
+"""What a run is told: settings that there are none of are refused, as are papers."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from gainsay.cli import main
+
+SNAKEMAKE = str(Path(sys.executable).parent / "snakemake")
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory):
+    root = tmp_path_factory.mktemp("project") / "own"
+    assert main(["new", "--project", str(root), "toy2001"]) == 0
+    return root
+
+
+def planned(root, *arguments):
+    """Plan a run and return its exit code and all that it said."""
+    done = subprocess.run(
+        [SNAKEMAKE, "--cores", "1", "--dry-run", *arguments], cwd=root, capture_output=True, text=True, check=False,
+        timeout=120,
+    )  # fmt: skip
+    return done.returncode, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ("paper=toy2001", "bad input: configuration 'paper': expected 'papers'? It is one of papers, numeric_threads"),
+        ("papers=toy2002", "bad input: unknown paper 'toy2002': expected 'toy2001'?"),
+        ("papers=../toy2001", "bad input: name of a paper '../toy2001'"),
+        ("numeric_threads=many", "bad input: configuration numeric_threads 'many': expected 1 or more"),
+    ],
+)
+def test_a_setting_that_is_none_is_refused_in_one_line(root, setting, said):
+    code, text = planned(root, "--config", setting)
+    assert code == 2
+    assert said in text
+    assert "Traceback" not in text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "papers", ["papers:\n", "papers: [toy2001]\n", "papers: toy2001, toy2001\n", "numeric_threads: 2\n"]
+)
+def test_papers_are_a_list_or_separated_by_commas_or_all(root, papers):
+    (root / "config.yaml").write_text(papers)
+    code, text = planned(root, "--quiet", "none")
+    assert code == 0, text
+    assert "toy2001_audit" in text
