@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import Any
 
 from gainsay.errors import InputError, missing_extra
+from gainsay.results.listing import derived_listing
+from gainsay.results.returned import read_returned
 from gainsay.steps.check import LISTED, file_differences, shared_differences
 from gainsay.steps.closure import LIBRARY, PAPER_MODULES, sources
 from gainsay.tables import Case, paper_names
 from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import read_json, shown
-from gainsay.results.listing import derived_listing
-from gainsay.results.returned import read_returned
 
 #: the description of a crate, and of what its results conform to
 METADATA, RESULTS_PROFILE = "ro-crate-metadata.json", "#contract"
@@ -198,6 +198,20 @@ def _zipped(root: Path, path: Path, made: Mapping[str, bytes], files: Iterable[s
             archive.writestr(entry, made[file] if file in made else (root / file).read_bytes())
 
 
+def _about(path: Path, file: str) -> dict[str, Any]:
+    """Describe a file of a crate."""
+    data = path.read_bytes()
+    about: dict[str, Any] = {
+        "name": file, "contentSize": str(len(data)), "sha256": hashlib.sha256(data).hexdigest(),
+    }  # fmt: skip
+    if path.suffix in FORMATS:
+        about["encodingFormat"] = FORMATS[path.suffix]
+    if file == WORKFLOW:
+        about |= {"name": "Workflow of Gainsay", "encodingFormat": "text/plain"}
+        about["@type"] = ["File", "SoftwareSourceCode", "ComputationalWorkflow"]
+    return about
+
+
 def _metadata(
     root: Path,
     papers: Sequence[str],
@@ -234,18 +248,11 @@ def _metadata(
         alternateName="Snakemake", identifier={"@id": "https://doi.org/10.1093/bioinformatics/bty350"},
         url={"@id": "https://snakemake.github.io"},
     )  # fmt: skip
-    files = {}
-    for file in [*went_in, *came_out]:
-        data = (root / file).read_bytes()
-        about = {"contentSize": str(len(data)), "sha256": hashlib.sha256(data).hexdigest()}
-        form = FORMATS.get(Path(file).suffix)
-        about |= {"name": file} | ({"encodingFormat": form} if form else {})
-        if file == WORKFLOW:
-            kinds = ["File", "SoftwareSourceCode", "ComputationalWorkflow"]
-            about |= {"@type": kinds, "name": "Workflow of Gainsay", "encodingFormat": "text/plain"}
-            about |= {"version": versions.get("gainsay", "")}
-        files[file] = crate.add_file(root / file, file, properties=about)
+    files = {
+        file: crate.add_file(root / file, file, properties=_about(root / file, file)) for file in [*went_in, *came_out]
+    }
     workflow = files[WORKFLOW]
+    workflow["version"] = versions.get("gainsay", "unknown")
     workflow["programmingLanguage"], workflow["softwareRequirements"] = language, software
     action = thing(
         "#run", "CreateAction", name=f"Recomputation of {named}", instrument=workflow, agent=agent, endTime=finished,

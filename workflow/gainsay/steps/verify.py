@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from gainsay.errors import InputError
+from gainsay.results.listing import sha256
 from gainsay.steps.archive import METADATA, RESULTS_PROFILE
 from gainsay.steps.check import file_differences, shared_differences
 from gainsay.steps.compare import compared
@@ -22,7 +23,6 @@ from gainsay.steps.verdicts import counted, judged
 from gainsay.tables import Case, paper_names, read_case
 from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import Table, csv_text, read_json, read_text
-from gainsay.results.listing import sha256
 
 #: bytes of an unpacked crate at most
 LARGEST = 1 << 33
@@ -59,7 +59,7 @@ def _entities(folder: Path, crate: Path) -> Mapping[str, Mapping[str, Any]]:
         raise InputError(f"no {METADATA}", file=str(crate), expected=OURS)
     content = read_json(folder / METADATA, folder)
     try:
-        found = {entity["@id"]: entity for entity in content["@graph"]}  # type: ignore[index,call-overload]
+        found = {entity["@id"]: entity for entity in content["@graph"]}  # type: ignore[index]
         conforms = {one["@id"] for one in found["./"]["conformsTo"]}
         contract = found[RESULTS_PROFILE]["version"]
         if RESULTS_PROFILE not in conforms or not all(isinstance(entity, dict) for entity in found.values()):
