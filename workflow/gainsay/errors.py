@@ -108,7 +108,7 @@ def one_of(name: str, known: Iterable[str], most: int = 12) -> str:
 
 
 #: module -> the extra of this package that brings it
-EXTRAS = {"rerun": "view", "pandas": "view", "snakemake": "workflow", "rocrate": "crate"}
+EXTRAS = {"rerun": "view", "pandas": "view", "snakemake": "workflow", "rocrate": "crate", "pyarrow": "campaigns"}
 
 
 def missing_extra(module: str) -> str:

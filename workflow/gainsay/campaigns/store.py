@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from gainsay.campaigns.plan import Block, Plan
-from gainsay.errors import InputError
+from gainsay.errors import InputError, missing_extra
 from gainsay.tables.files import write_json
 
 #: rows of a row group of the gathered table: what is held in memory at a time
@@ -34,7 +34,7 @@ def _arrow() -> Any:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        raise InputError("campaigns", value="pyarrow", expected="the extra: pip install 'gainsay[campaigns]'") from None
+        raise InputError("pyarrow is not installed", expected=missing_extra("pyarrow")) from None
     return pyarrow
 
 

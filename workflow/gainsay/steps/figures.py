@@ -1,13 +1,14 @@
 """Draw the figures of a paper from its logs alone; one that sets designs beside each other, from the quantities."""
 
 import sys
+from collections.abc import Sequence
 
 from gainsay.errors import ComputationError
 from gainsay.figures import FigureSpec, save
 from gainsay.logs import read_log
 from gainsay.results import Results
 from gainsay.steps.command import step_command
-from gainsay.steps.modules import paper_module
+from gainsay.steps.modules import paper_module, wanted
 from gainsay.tables import Case
 
 
@@ -24,9 +25,10 @@ def draw(case: Case, figure: FigureSpec) -> None:
 def figures(case: Case) -> None:
     """Draw every figure; one that breaks leaves a failed record and the others are drawn."""
     results = Results(case, "figures")
-    specs = ()
+    specs: Sequence[FigureSpec] = ()
     with results.task("figures", "import", quiet=True):
-        specs = paper_module(case, "figures").FIGURES
+        if wanted(case, "figures", case.paper.figures):
+            specs = paper_module(case, "figures").FIGURES
     for figure in specs:
         with results.task(figure.name, "draw"):
             for ending in ("svg", "png"):

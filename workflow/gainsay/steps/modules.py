@@ -29,3 +29,8 @@ def paper_module(case: Case, name: str) -> ModuleType:
     """
     use_project(case.root)
     return import_module(f"papers.{case.name}.{name}")
+
+
+def wanted(case: Case, name: str, declared: object) -> bool:
+    """Say whether a module of a paper has work to do: what it makes is declared in paper.toml, or it is there."""
+    return bool(declared) or (case.folder / f"{name}.py").is_file()

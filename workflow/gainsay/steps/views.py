@@ -1,14 +1,15 @@
 """Make every log of a paper open well: an .rrd and a Foxglove layout beside each .mcap, and a list of all topics."""
 
 import sys
+from typing import Any
 
 from gainsay.errors import ComputationError
-from gainsay.logs import Layout, read_log
+from gainsay.logs import read_log
 from gainsay.logs.topics import Topics
 from gainsay.logs.views import write_views
 from gainsay.results import Results
 from gainsay.steps.command import step_command
-from gainsay.steps.modules import paper_module
+from gainsay.steps.modules import paper_module, wanted
 from gainsay.tables import Case
 from gainsay.tables.files import write_atomically
 
@@ -16,9 +17,10 @@ from gainsay.tables.files import write_atomically
 def views(case: Case) -> None:
     """Write the views of every run that left a log; one that breaks leaves a failed record."""
     results = Results(case, "views")
-    layout: Layout | None = None
+    layout: Any = None  # a Layout, where the paper has runs
     with results.task("views", "import", quiet=True):
-        layout = paper_module(case, "runs").LAYOUT
+        if wanted(case, "runs", case.paper.runs):
+            layout = paper_module(case, "runs").LAYOUT
     topics = Topics()
     for run in case.paper.runs if layout is not None else ():
         path = case.results / "logs" / f"{run}.mcap"
