@@ -79,6 +79,7 @@ versions: environment
 nightly: environment kernels versions
 	@GAINSAY_NIGHT=1 $(RUN) pytest -n 2 -m slow tests/known/test_proof_changes.py tests/gainsay/test_tables_damage.py \
 	  tests/gainsay/test_results_damage.py tests/papers/test_assumed_inputs.py
+	@GAINSAY_SLURM=1 $(RUN) pytest -n 0 -m slow -rs tests/end_to_end/test_slurm.py
 
 clean:
 	@rm -rf results/*/ results/.checked results/*.html results/*.json results/*.csv results/*.log

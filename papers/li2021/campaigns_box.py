@@ -20,6 +20,8 @@ from papers.li2021 import plant
 _ROUNDING = gamma(40)
 #: search of coordinates: rounds, weight of the steps against the loop, part kept of the coordinates before
 _ROUNDS, _WEIGHT, _FLOOR = 30, 8.0, 1e-3
+#: where between the poles and the border of the disk the disks of the other coordinates lie
+_PARTS = (0.4, 0.7)
 
 
 class GainBox:
@@ -64,30 +66,37 @@ class GainBox:
         half = np.maximum(high - middle, middle - low) * (1 + 1e-15)
         loop, slopes, remainder, rounding = self.expanded(middle, half)
         steps = slopes * half[:, None, None]
-        T, Z = self.coordinates(loop, steps)
+        (T, Z), *others = self.coordinates(loop, steps)
         axis = int(np.argmax(np.linalg.norm(T @ steps @ Z, axis=(-2, -1))))
         here = resolved(loop, lambda s: np.abs(s + self.centre) - self.radius, rounding)
         if here == OUTSIDE:
             return -1, axis
-        return int(self.holds(loop, steps, remainder, T, Z)), axis
+        return int(any(self.holds(loop, steps, remainder, *pair) for pair in ((T, Z), *others))), axis
 
-    def coordinates(self, loop: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Coordinates T x in which the loop of the middle and its steps are small together, and their near inverse.
+    def coordinates(self, loop: np.ndarray, steps: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Coordinates T x in which the loop of the middle and its steps may be small together, with near inverses.
 
-        T'T is near the fixed point of A'PA + w sum S'PS, which a loop whose inputs were noise would have. Any T would
-        do: what is proved in it is proved.
+        In the first T'T is near the fixed point of A'PA + w sum S'PS, which a loop whose inputs were noise would have;
+        in the others it is a solution of Stein's equation of the loop alone, for boxes so small that the steps say
+        little. Any T would do: what is proved in it is proved.
         """
         moved = (loop + self.centre * np.eye(12)) / self.radius
         size = np.sqrt(np.abs(np.diagonal(solve_discrete_lyapunov(moved, np.eye(12)))) + 1e-12)
-        P = np.diag(1 / size**2)
+        P = start = np.diag(1 / size**2)
         for _ in range(_ROUNDS):
             following = moved.T @ P @ moved + _WEIGHT * np.einsum("kji,jl,klm->im", steps, P, steps, optimize=True)
             P = (following + following.T) / (2 * np.trace(following)) + _FLOOR * P
-        try:
-            T = np.linalg.cholesky(P + 1e-9 * np.diag(np.diagonal(P))).T
-        except np.linalg.LinAlgError:
-            T = np.diag(1 / size)
-        return T, np.linalg.inv(T)
+        reach = min(float(np.abs(np.linalg.eigvals(moved)).max()), 0.999)
+        # Stein's equation for a disk between the poles and the border: what is left of it is for the steps
+        alone = [solve_discrete_lyapunov(moved.T / (reach + part * (1 - reach)), start) for part in _PARTS]
+        found = []
+        for candidate in (P, *((one + one.T) / 2 for one in alone)):
+            try:
+                T = np.linalg.cholesky(candidate + 1e-9 * np.diag(np.abs(np.diagonal(candidate)))).T
+            except np.linalg.LinAlgError:
+                T = np.diag(1 / size)
+            found.append((T, np.linalg.inv(T)))
+        return found
 
     def rows(self, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
         """Inverse mass matrix, the rows N of M (10) N in the rates, and their slopes by input."""

@@ -144,3 +144,16 @@ def test_draws_are_those_that_floating_point_finds_where_it_is_far_from_the_bord
         assert np.abs(reach).min() > 1e-8
         assert counts[f"{name}_unresolved"] == 0
         assert counts[f"{name}_unstable"] == int((reach > 0).sum())
+
+
+@pytest.mark.slow
+def test_every_inertia_and_variation_of_table_1_is_proved_in_the_disk():
+    """As the certificate of the printed gains says of independent variations up to 0.067, by another argument."""
+    from gainsay.campaigns import Plan
+    from papers.li2021.campaigns import CAMPAIGNS, HALVINGS
+
+    case = CASES["li2021"]
+    assert float(case.recorded["certified.printed.delta_m"].value) > 0.05
+    plan = Plan(case, case.campaigns["gain-box"], CAMPAIGNS["gain-box"])
+    counts = [plan.evaluation.count(plan.evaluation.block(case, block)) for block in plan.blocks()]
+    assert sum(count["proved"] for count in counts) == plan.points << HALVINGS

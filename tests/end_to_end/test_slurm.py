@@ -1,0 +1,253 @@
+"""A campaign through Slurm on one machine: two workers, a job and the controller killed, the same bytes as here."""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+NEEDED = ("munged", "slurmctld", "slurmd", "sbatch", "srun", "squeue", "scontrol")
+#: chunks of the campaign: more than 40, so that a job of some chunks may be killed and others are still to come
+CHUNKS = 42
+CONF = """ClusterName=gainsay
+SlurmctldHost={host}(127.0.0.1)
+SlurmctldPort={ports[0]}
+SlurmdPort={ports[1]}
+SlurmUser=root
+SlurmdUser=root
+AuthType=auth/munge
+AuthInfo=socket={place}/munge.socket
+CredType=cred/munge
+StateSaveLocation={place}/state
+SlurmdSpoolDir={place}/spool
+SlurmctldPidFile={place}/slurmctld.pid
+SlurmdPidFile={place}/slurmd.pid
+SlurmctldLogFile={place}/slurmctld.log
+SlurmdLogFile={place}/slurmd.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+MpiDefault=none
+ReturnToService=2
+MinJobAge=600
+SchedulerParameters=batch_sched_delay=1,bf_interval=2
+NodeName={host} NodeAddr=127.0.0.1 CPUs=2 RealMemory=3000 State=UNKNOWN
+PartitionName=main Nodes={host} Default=YES MaxTime=INFINITE State=UP
+"""
+
+
+def not_checked(why: str):
+    pytest.skip(f"not checked: {why}")
+
+
+def free_ports(count):
+    opened = [socket.socket() for _ in range(count)]
+    for one in opened:
+        one.bind(("127.0.0.1", 0))
+    ports = [one.getsockname()[1] for one in opened]
+    for one in opened:
+        one.close()
+    return ports
+
+
+class Cluster:
+    """munged, slurmctld and slurmd of this test alone; programs are ended by their own process numbers."""
+
+    def __init__(self, place: Path) -> None:
+        self.place, self.running = place, {}
+        for folder in ("state", "spool"):
+            (place / folder).mkdir()
+        key = place / "munge.key"
+        key.write_bytes(os.urandom(1024))
+        key.chmod(0o400)
+        host = socket.gethostname().partition(".")[0]
+        (place / "slurm.conf").write_text(CONF.format(host=host, ports=free_ports(2), place=place))
+        self.env = {**os.environ, "SLURM_CONF": str(place / "slurm.conf")}
+
+    def start(self, name, *command):
+        with (self.place / f"{name}.out").open("ab") as said:
+            # in a session of its own: what a test runner sends to its group is not for the cluster
+            self.running[name] = subprocess.Popen(
+                command, env=self.env, stdout=said, stderr=said, stdin=subprocess.DEVNULL, start_new_session=True
+            )
+
+    def begin(self):
+        munge = self.place
+        self.start(
+            "munged", "munged", "--foreground", "--force", f"--key-file={munge}/munge.key",
+            f"--socket={munge}/munge.socket", f"--pid-file={munge}/munged.pid", f"--log-file={munge}/munged.log",
+            f"--seed-file={munge}/munge.seed",
+        )  # fmt: skip
+        self.until(lambda: (munge / "munge.socket").exists(), 20, "munged gives no socket")
+        self.controller()
+        self.start("slurmd", "slurmd", "-D")
+        self.until(lambda: "idle" in self.said("sinfo", "-h", "-o", "%T"), 60, "the node does not come up")
+
+    def controller(self):
+        self.start("slurmctld", "slurmctld", "-D")
+        self.until(lambda: "UP" in self.said("scontrol", "ping"), 60, "slurmctld does not answer")
+
+    def said(self, *command):
+        return subprocess.run(command, env=self.env, capture_output=True, text=True, timeout=60).stdout
+
+    def until(self, holds, seconds, why):
+        end = time.monotonic() + seconds
+        while not holds():
+            dead = [name for name, process in self.running.items() if process.poll() is not None]
+            if dead or time.monotonic() > end:
+                logs = [line for name in self.running for line in self.log(name)]
+                not_checked(f"{why}{', ended: ' + ', '.join(dead) if dead else ''}: {' | '.join(logs)[-300:]}")
+            time.sleep(0.2)
+
+    def log(self, name):
+        files = (self.place / f"{name}.log", self.place / f"{name}.out")
+        return [line for file in files if file.is_file() for line in file.read_text(errors="replace").splitlines()[-3:]]
+
+    def kill(self, name):
+        process = self.running.pop(name)
+        process.send_signal(signal.SIGKILL)
+        process.wait(30)
+
+    def end(self):
+        for name in ("slurmd", "slurmctld", "munged"):
+            process = self.running.pop(name, None)
+            if process is not None:
+                process.terminate()
+                try:
+                    process.wait(20)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    if not os.environ.get("GAINSAY_SLURM"):
+        not_checked("GAINSAY_SLURM=1 runs it, as `make nightly` does; ten minutes on a quiet machine")
+    missing = [name for name in NEEDED if shutil.which(name) is None]
+    if missing:
+        not_checked(f"no {', '.join(missing)} on this machine")
+    if os.geteuid() != 0:
+        not_checked("Slurm on one machine needs the superuser")
+    place = tmp_path / "slurm"
+    place.mkdir()
+    made = Cluster(place)
+    try:
+        made.begin()
+        yield made
+        for job in made.said("squeue", "-h", "-o", "%i").split():
+            made.said("scancel", job)
+    finally:
+        made.end()
+
+
+@pytest.fixture
+def plugin(tmp_path):
+    """The executor of Snakemake beside the environment of this project, not in it."""
+    uv = Path(sys.executable).parent / "uv"
+    file = ROOT / "workflow/profiles/slurm/requirements.txt"
+    command = [uv, "pip", "install", "--quiet", "--require-hashes", "--no-deps", "--python", sys.executable]
+    done = subprocess.run([*command, "--target", tmp_path / "plugin", "-r", file], capture_output=True, text=True)
+    if done.returncode:
+        not_checked(f"the executor cannot be installed: {done.stderr.strip()[-200:]}")
+    return tmp_path / "plugin"
+
+
+MODULE = '''"""A campaign of a toy."""
+
+import time
+
+from gainsay.campaigns.draws import counted_draws
+
+
+def below(case, block):
+    time.sleep(0.05)
+    return {"low": (int((block.generator().random(block.size) < 0.25).sum()), 0)}
+
+
+CAMPAIGNS = {"luck": counted_draws(("factor",), "below", {"low": "a quarter"}, below)}
+'''
+
+
+def project_of(place: Path, project) -> Path:
+    """A project with one campaign of 42 chunks of 20 draws each."""
+    shutil.copytree(project.root, place)
+    (place / "Snakefile").write_text('configfile: "config.yaml"\n\n\ninclude: "' + str(
+        ROOT / "workflow/gainsay/rules/gainsay.smk") + '"\n\n\nrule all:\n    input:\n        WANTED,\n')  # fmt: skip
+    (place / "config.yaml").write_text('papers: ""\nnumeric_threads: 1\n')
+    (place / "papers/__init__.py").write_text("")
+    (place / "papers/toy/__init__.py").write_text("")
+    (place / "papers/toy/campaigns.py").write_text(MODULE)
+    (place / "papers/toy/campaigns.csv").write_text(
+        "name,kind,inputs,resolution,seed,block,chunk,claim,question\n"
+        f"luck,draws,factor=0..1,{20 * CHUNKS},7,10,20,,how often\n"
+    )
+    return place
+
+
+def results(place: Path) -> dict[str, bytes]:
+    folder = place / "results/toy/campaigns"
+    return {path.name: path.read_bytes() for path in sorted(folder.glob("luck.*"))}
+
+
+def chunks(place: Path) -> int:
+    return len(list((place / "results/toy/campaigns/luck").glob("*/chunk-*.parquet")))
+
+
+@pytest.mark.slow
+def test_a_campaign_through_slurm_is_that_of_this_machine_to_the_byte(cluster, plugin, project, tmp_path):
+    snakemake = [sys.executable, "-m", "snakemake", "campaigns"]
+    here = project_of(tmp_path / "here", project)
+    done = subprocess.run([*snakemake, "--cores", "2"], cwd=here, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    expected = results(here)
+    assert set(expected) == {"luck.json", "luck.parquet", "luck.svg"}
+
+    there = project_of(tmp_path / "there", project)
+    # srun of a job starts without what names the configuration: the executor takes it out of the environment
+    (tmp_path / "bin").mkdir()
+    srun = tmp_path / "bin/srun"
+    srun.write_text(f'#!/bin/sh\nSLURM_CONF={cluster.place}/slurm.conf exec {shutil.which("srun")} "$@"\n')
+    srun.chmod(0o755)
+    env = {**cluster.env, "PYTHONPATH": str(plugin), "PATH": f"{tmp_path}/bin:{os.environ['PATH']}"}
+    command = [
+        *snakemake, "--profile", str(ROOT / "workflow/profiles/slurm"), "--jobs", "2", "--group-components", "chunks=7",
+        "--slurm-no-account", "--slurm-init-seconds-before-status-checks", "2", "--seconds-between-status-checks", "2",
+        "--default-resources", "slurm_partition=main", "mem_mb=500", "runtime=10",
+    ]  # fmt: skip
+    with (tmp_path / "slurm.said").open("w") as said:
+        run = subprocess.Popen(command, cwd=there, env=env, stdout=said, stderr=said, start_new_session=True)
+        try:
+            killed = interrupt(cluster, run, there)
+            assert run.wait(600) == 0, (tmp_path / "slurm.said").read_text()[-3000:]
+        finally:
+            if run.poll() is None:
+                os.killpg(run.pid, signal.SIGTERM)
+                run.wait(60)
+    assert killed, "nothing was killed: the campaign was over before"
+    assert results(there) == expected
+
+
+def interrupt(cluster: Cluster, run: subprocess.Popen, there: Path) -> bool:
+    """Kill one job while chunks are computed, then the controller, and start it again."""
+    end = time.monotonic() + 300
+    while chunks(there) < 2 and run.poll() is None and time.monotonic() < end:
+        time.sleep(0.2)
+    busy = cluster.said("squeue", "-h", "-t", "R", "-o", "%i").split()
+    if run.poll() is not None or not busy or chunks(there) >= CHUNKS:
+        return False
+    cluster.said("scancel", "--signal=KILL", "--full", busy[0])
+    before = chunks(there)
+    time.sleep(2)
+    cluster.kill("slurmctld")
+    time.sleep(3)
+    cluster.controller()
+    return before < CHUNKS
