@@ -25,6 +25,7 @@ OF = {
     "definite": "definite",
     "farkas": "feasible",
     "feasible": "feasible",
+    "wrong_inertia": "feasible",
     "enclosed": "value",
 }
 
@@ -102,6 +103,17 @@ def test_names_that_mean_or_look_like_something_else(name):
     point = {"constraints": [["a", "1 > 0"]]}
     refused(sealed(body("feasible", point, unknowns={name: {}}, witness={name: "3"})))
     refused(sealed(body("definite", {"constraint": "1 > 0"}), definitions=[[name, "3"]]))
+
+
+@pytest.mark.parametrize("field", ["unknown", "inequality", "positive", "constraints"])
+@pytest.mark.parametrize("value", [["P"], {"P": "F"}, None, "", "Q", [["F", "P > 0"], ["F", "P < 0"]], 1])
+def test_fields_of_another_form_are_refused(field, value):
+    fields = {"constraints": [["F", "2*P < 0"], ["G", "P > 0"]], "unknown": "P", "inequality": "F", "positive": "G"}
+    witness = {"drift": "1", "inertia": "-1", "direction": "1", "inequality": "1", "positive": "1"}
+    unknowns = {"P": {"structure": "symmetric"}}
+    good = body("wrong_inertia", fields, "fails", unknowns=unknowns, witness=witness)
+    check(Certificate.from_json(sealed(good), "c"), TABLES)
+    refused(sealed({**good, "fields": {**fields, field: value}}))
 
 
 def test_pi_is_pi():

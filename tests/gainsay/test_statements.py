@@ -29,6 +29,7 @@ from gainsay.statements import (
     statement,
     symmetric,
 )
+from gainsay.statements.instability import wrong_inertia
 
 TABLES = MappingTables(
     numbers={"mass": "2.5", "third": "1/3"},
@@ -250,6 +251,16 @@ def test_lyapunov_and_stein_inequalities_are_refuted_where_the_matrix_is_unstabl
     certificate = prove(results, "audit.holds", program, outcome(program), sentence="such a P")
     assert certificate is not None
     assert certificate.conclusions[0].relation == ("fails" if shift == "0" else "holds")
+
+
+@pytest.mark.parametrize("more", ["mu*eye(2)", "mu*P", "P[0, 0]*P"])
+def test_a_lyapunov_inequality_with_other_terms_is_not_read_as_one(project, more):
+    """It holds another unknown, or a square of its own: whether there is such a P is then another question."""
+    texts = [f"sym(P@[[0.1, 2], [0.3, -1.7]]) + {more} < 0", "P > 0"]
+    unknowns = {"P": symmetric(2), **({"mu": scalar()} if "mu" in more else {})}
+    program = Stated(project.case(), texts, unknowns=unknowns)
+    with pytest.raises(CertificateError, match="no Lyapunov or Stein inequality"):
+        wrong_inertia(program, id="c", paper="tiny2020", statement="s", **program.parts())
 
 
 def test_a_plant_of_ten_states_is_refuted(project):
