@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.proof import build
 from gainsay.results import Results
 from gainsay.results.listing import LISTING_COLUMNS
 from gainsay.steps.compare import compare
@@ -278,3 +279,26 @@ def test_the_share_of_a_tolerance():
     assert share(row, float("nan")) == float("inf")
     exact = row.model_copy(update={"class_": "exact", "relative": "0", "absolute": "0"})
     assert (share(exact, 2.0), share(exact, 2.0 + 1e-15)) == (0.0, float("inf"))
+
+
+def certified(project, constraint, name="one"):
+    """Run with one certificate of the audit beside the quantities."""
+    case = run(project)
+    results = Results(case, "audit")
+    for quantity, value in COMPUTED.items():
+        results.quantity(quantity, value, method="m")
+    parts = {"paper": case.name, "statement": "A number is positive.", "tables": case}
+    results.certificate(build.certificate("definite", id=name, fields={"constraint": constraint}, **parts))
+    results.close()
+    verdicts(case)
+    return case
+
+
+def test_a_certificate_that_states_something_else_is_a_difference(clean):
+    list(record_paper(certified(clean, "1 > 0")))
+    certified(clean, "1 > 0")
+    assert not items(clean)
+    certified(clean, "2 > 0")
+    assert items(clean) == {("certificate", "one")}
+    certified(clean, "1 > 0", name="two")
+    assert items(clean) == {("certificate", "one"), ("certificate", "two")}
