@@ -22,6 +22,7 @@ from gainsay.lmi import (
     trace,
 )
 from gainsay.lmi.affine import Affine, Definite
+from gainsay.lmi.rounding import RightInverse
 
 
 def _count(seed, count, most):
@@ -113,3 +114,16 @@ def test_the_short_way_proves_nothing_false(monkeypatch):
     assert isinstance(infimum(Program(minimise=-x, subject_to=[x > 0])), Unbounded)
     pair = [(P >= 0).named("up"), (P <= 0).named("down")]
     assert isinstance(infimum(Program(minimise=trace(P), subject_to=pair)), Infimum)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.99, 1.01, 1.5, 4.0])
+def test_a_step_is_bounded_only_where_there_is_one(share):
+    # closed form: d = r + c d^2 has the least root (1 - sqrt(1 - 4 c r))/(2 c) where 4 c r <= 1, and none beyond
+    inverse, curvature = RightInverse.of(np.eye(1)), 3.0
+    assert inverse is not None
+    residual = share / (4 * curvature)
+    bound = inverse.reach(residual, curvature)
+    if share > 1:
+        assert bound == np.inf
+    else:
+        assert (1 - np.sqrt(1 - share)) / (2 * curvature) <= bound < np.inf
