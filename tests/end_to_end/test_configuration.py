@@ -50,6 +50,6 @@ def test_a_setting_that_is_none_is_refused_in_one_line(root, setting, said):
 )
 def test_papers_are_a_list_or_separated_by_commas_or_all(root, papers):
     (root / "config.yaml").write_text(papers)
-    code, text = planned(root, "--quiet", "none")
+    code, text = planned(root, "--workflow-profile", "none")
     assert code == 0, text
     assert "toy2001_audit" in text
