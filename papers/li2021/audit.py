@@ -52,8 +52,9 @@ def vertices(case: Case, gains) -> tuple[float, float, np.ndarray]:
     reach, abscissa, where = 0.0, -np.inf, None
     for delta in product((-1, 1), repeat=3):
         loops = plant.closed_loop(plant.rigid(k, delta), gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
-        found = disk.reach(loops)
-        abscissa = max(abscissa, float(HalfPlane().reach(loops).max()))
+        poles = np.linalg.eigvals(loops)
+        found = np.abs(poles + disk.centre).max(axis=-1)
+        abscissa = max(abscissa, float(poles.real.max()))
         if found.max() > reach:
             reach, where = float(found.max()), np.concatenate([signs[found.argmax()], delta])
     return reach, abscissa, where

@@ -18,6 +18,7 @@ from papers.li2021.statements import (
     EQ_B5,
     LOOP,
     PLANT_UNKNOWNS,
+    all_gains,
     equation_13,
     linear_13,
 )  # fmt: skip
@@ -102,11 +103,68 @@ def structure(case: Case, results: Results) -> None:
         given=[EQ12 < 0], then=EQ15 < 0, expand={**STRUCTURE, **LOOP}, unknowns=PLANT_UNKNOWNS,
         by=[Step("(12)", factor, left_inverse=back)],
     ), source="(15)")  # fmt: skip
+    results.certificate(to_all_gains(case))
+    results.certificate(from_all_gains(case, uncertain=False))
+    results.certificate(from_all_gains(case, uncertain=True))
     for divided, quantity in ((False, "eq13.eq15"), (True, "eq13.eq15_divided")):
         results.prove(bordered(case, divided, quantity), source="(13), (15), (16)")
     for divided, quantity in ((False, "eq13.linear"), (True, "eq13.linear_divided")):
         results.prove(linear(case, divided, quantity), source="(13)")
     results.say("proof of Theorem 1", "P > 0 if and only if S > 0 and N < 0; (15) follows from (12)")
+
+
+GAINS = {name: PLANT_UNKNOWNS[name] for name in ("Ad", "Bd", "Cd")}
+
+
+def to_all_gains(case: Case) -> Certificate:
+    """(12) with any P and any gains gives its form for all gains."""
+    return implication(
+        case, id="eq12-to-all-gains",
+        sentence="(12) gives its form for all gains, for every P = [[Y, U], [U', W]] of which U has an inverse, as it "
+        "has after a small change of P.",
+        given=[EQ12 < 0], then=all_gains() < 0, invertible=["X", "U", "W"],
+        expand={
+            "Y": "inverse(X) + U @ inverse(W) @ U.T", "P": "[[Y, U], [U.T, W]]", "A": "A0", **LOOP,
+            "V_t": "-inverse(W) @ U.T @ X", "Fb": "U @ Bd", "Ch": "Cd @ V_t",
+            "Ah": "Y @ A0 @ X + Y @ B1 @ Ch + Fb @ C @ X + U @ Ad @ V_t", "T": "[[X, eye(6)], [V_t, zeros(6, 6)]]",
+            "T_back": "[[zeros(6, 6), -inverse(X) @ inverse(U.T) @ W], [eye(6), inverse(U.T) @ W]]",
+        },
+        unknowns={**GAINS, "U": matrix(6, 6), "W": symmetric(6)},
+        by=[Step("(12)", "diag(T, eye(12), T)", left_inverse="diag(T_back, eye(12), T_back)")],
+    )  # fmt: skip
+
+
+def from_all_gains(case: Case, uncertain: bool) -> Certificate:
+    """The form of (12) for all gains gives (12) with the P of Theorem 1 and gains, for every Delta H where bordered."""
+    free = all_gains(uncertain)
+    whole, square = "diag(T, eye(12), T)", "H @ H.T - eye(12) <= 0"
+    border = {}
+    if uncertain:
+        kept = {row: 3 if row in ("2", "3", "4", "output") else 6 for row in free.rows[:-2]}
+        for name, row in (("H_to", "H_in"), ("H_of", "H_out")):
+            border[name] = _rows([[free.block(row, column) for column in kept]], [12], kept)
+        by = [
+            Step("(12)", "col(J, H_to @ J / eps1, H_of @ J / eps1)", left_inverse=f"row({whole}, zeros(36, 24))"),
+            Step(square, "H_of @ J", scale="1 / eps1"),
+            Step("", "(H_to - H.T @ H_of) @ J / eps1", scale="eps1"),
+        ]
+    else:
+        by = [Step("(12)", "J", left_inverse=whole)]
+    return implication(
+        case, id=f"eq12-from-all-gains{'-uncertain' if uncertain else ''}",
+        sentence="The form of (12) for all gains gives gains and a P with which (12) holds"
+        + (", for every Delta H of norm at most one." if uncertain else "."),
+        given=[free < 0, *([square] if uncertain else [])], then=EQ12 < 0, invertible=["X", "N"],
+        expand={
+            "Y": "inverse(X) - N", "P": "[[Y, N], [N, -N]]", "A": "A0 + L @ H @ K" if uncertain else "A0",
+            "Cd": "Ch @ inverse(X)", "Bd": "inverse(N) @ Fb",
+            "Ad": "inverse(N) @ (Ah @ inverse(X) - Y @ A0 - Y @ B1 @ Cd - Fb @ C)", **LOOP,
+            "T": "[[X, eye(6)], [X, zeros(6, 6)]]",
+            "J": "diag([[zeros(6, 6), inverse(X)], [eye(6), -eye(6)]], eye(12), "
+            "[[zeros(6, 6), inverse(X)], [eye(6), -eye(6)]])", **border,
+        },
+        unknowns={"N": symmetric(6), **({"H": matrix(12, 12)} if uncertain else {})}, by=by,
+    )  # fmt: skip
 
 
 def bordered(case: Case, divided: bool, quantity: str) -> Certificate:
@@ -159,14 +217,14 @@ def linear(case: Case, divided: bool, quantity: str) -> Certificate:
     widths = {row: heights.get(row, 3) for row in goal.rows}
     kept = {"1a": "X", "5a": "X", "1b": "eye(6)", "2": "eye(3)", "5b": "eye(6)", "F3_in": "eye(3)"}
     cells = [[kept[row] if row == column and row in kept else "" for column in widths] for row in heights]
-    free = f"({eq13.block('1a', '5b')}).T @ X"
+    free = f"({eq13.block('1a', '5b')}).T @ X - a * eye(6)"
     return implication(
         case, id=quantity.replace(".", "-").replace("_", "-"), quantity=quantity,
         sentence="(13) gives a condition linear in X = S^-1, Y = S - N, Fb, Ch = C_f X and a free block.",
         given=[eq13 < 0], then=goal <= 0, invertible=["X"],
         expand={"S": "inverse(X)", "N": "inverse(X) - Y", "Ch": "Cf @ X", "Ah": free},
         by=[Step("(13)", _rows(cells, list(heights.values()), widths)),
-            Step("", "row(C @ X, C, zeros(3, 3), zeros(3, 6), zeros(3, 6), -eye(3), zeros(3, 3))")],
+            Step("", "row(C @ X, C, zeros(3, 3), -eye(3), zeros(3, 6), zeros(3, 6), zeros(3, 3))")],
     )  # fmt: skip
 
 

@@ -1,7 +1,9 @@
 """Certificates of the paper's algebra: (2) to (6), factorisations, the reduction (7), Lemmas 1 and 2, and misprints."""
 
+from collections.abc import Iterator
+
 from gainsay.proof import Certificate, build
-from papers.li2021.proofs import full
+from gainsay.statements import matrix
 from papers.li2021.statements import FACTORS, PLANT
 
 #: (2) with the entry (3,2) as printed, and as a rotation has it
@@ -114,18 +116,33 @@ def factorisation(case, which: str) -> Certificate:
     )
 
 
-def misprint(case, name: str, what: str, left: str, right: str, quantity: str, definitions=()) -> Certificate:
-    """Two formulas differ: what is printed is not what the definition gives."""
-    return build.certificate(
-        "different",
-        id=name,
-        paper=case.name,
-        tables=case,
-        statement=what,
-        definitions=(*PLANT, *definitions),
-        fields={"left": left, "right": right},
-        quantities={"identity": quantity},
-    )
+#: where (6) and its factors are misprinted: id, sentence, two formulas that differ, quantity
+MISPRINTS = (
+    ("g0-parentheses", "G0(3,3) as printed, n^2 J20 - J10, is not n^2 (J20 - J10).",
+     "n**2 * J2 - J1", "n**2 * (J2 - J1)", "misprint.g0"),
+    ("d0-third-row", "D0 as printed, with two rows, is not D(J0) of (6).",
+     "n * (J1 + J3 - J2) * turn[0:2, 0:3]", "D0", "misprint.d0"),
+    ("gamma-d-third-row", "The third row of Gamma_D as printed, filled with zeros, is not the one needed.",
+     "[[0, 1, 0, -1, 0, 0]]", "printed('GammaD').T[2:3, 0:6]", "misprint.gamma_d"),
+    ("gamma-g-rows", "Gamma_G as printed has five rows and columns; Xi_G Delta_G Gamma_G needs 6x3.",
+     "[[4, 0, 0, 1, 0], [0, 0, 1, -1, 0], [0, 0, 1, -1, 0], [0, 1, -1, 0, 0], [0, 1, 0, 0, 1]].T",
+     "printed('GammaG')", "misprint.gamma_g"),
+)  # fmt: skip
+
+
+def misprints(case) -> Iterator[Certificate]:
+    """What is printed is not what the definition gives."""
+    for name, what, left, right, quantity in MISPRINTS:
+        yield build.certificate(
+            "different",
+            id=name,
+            paper=case.name,
+            tables=case,
+            statement=what,
+            definitions=PLANT,
+            fields={"left": left, "right": right},
+            quantities={"identity": quantity},
+        )
 
 
 def reduction(case) -> Certificate:
@@ -139,7 +156,10 @@ def reduction(case) -> Certificate:
         tables=case,
         statement="With eta'' from its second equation (6) is (7) with d~ = F'Cm eta' + F'Lambda eta + d.",
         definitions=(*PLANT, ("Cm", f"diag({damping})"), ("Lambda", f"diag({stiffness})")),
-        unknowns=full(q=(3, 1), v=(3, 1), acc=(3, 1), eta=(4, 1), rate=(4, 1)),
+        unknowns={
+            **dict.fromkeys(("q", "v", "acc"), matrix(3, 1).entry()),
+            **dict.fromkeys(("eta", "rate"), matrix(4, 1).entry()),
+        },
         fields={
             "left": "J0 @ acc + D0 @ v + G0 @ q + F.T @ (-Cm @ rate - Lambda @ eta - F @ (acc + n * turn @ v))",
             "right": "(J0 - F.T @ F) @ acc + (D0 - n * F.T @ F @ turn) @ v + G0 @ q - F.T @ (Cm @ rate + Lambda @ eta)",
@@ -156,7 +176,7 @@ def completed_square(case) -> Certificate:
         paper=case.name,
         tables=case,
         statement="(T + l^2 G)(T + l^2 G)' - 2 l^2 (T G' + G T') = (T - l^2 G)(T - l^2 G)' at size 2.",
-        unknowns={**full(T=(2, 2), G=(2, 2)), "l": {}},
+        unknowns={"T": matrix(2, 2).entry(), "G": matrix(2, 2).entry(), "l": {}},
         fields={
             "left": "(T + l**2 * G) @ (T + l**2 * G).T - 2 * l**2 * (T @ G.T + G @ T.T)",
             "right": "(T - l**2 * G) @ (T - l**2 * G).T",

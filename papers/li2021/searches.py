@@ -13,15 +13,16 @@ import numpy as np
 from scipy.optimize import brentq
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Infeasible, Infimum, Solved, infimum, solve
+from gainsay.lmi import Infeasible, Solved
 from gainsay.systems.norms import hinf_norm
 from gainsay.tables import Case
 from gainsay.tables.designs import FoundDesign, rounded
-from papers.li2021 import conditions as lmis
 from papers.li2021 import conditions_arcs as arcs
 from papers.li2021 import conditions_robust as robust
 from papers.li2021 import plant
 from papers.li2021 import searches_smooth as design
+from papers.li2021.proofs import lemma_3
+from papers.li2021.statements import TABLES
 
 DIGITS = 12
 #: shares of the limits of disk and norm found in floating point at which the certificate is made
@@ -213,20 +214,25 @@ def printed_levels(case: Case) -> FoundDesign:
     )
 
 
-def _possible(case: Case, lam: float) -> bool:
-    """Whether (12) can be met over all gains at a lambda with the paper's gamma, to the solver's accuracy."""
-    found = solve(lmis.pushed(lmis.lemma3_synthesis(lmis.Model.of(case), lam, case.number("gamma"))))
-    if not isinstance(found, Solved):
+def _decided(case: Case, lam: float) -> Solved | Infeasible:
+    """Whether (12) can be met over all gains at a lambda with the paper's gamma: a point, or multipliers.
+
+    Raises
+    ------
+    ComputationError
+        If neither is found.
+    """
+    found = lemma_3(case, lam=repr(lam), g=TABLES["g"]).by_margin()
+    if not isinstance(found, Solved | Infeasible):
         raise ComputationError("(12)", f"no margin at lambda = {lam}", found.attempts)
-    return found.objective < 0
+    return found
 
 
 def _provable(case: Case, inside: float, outside: float) -> bool:
     """Whether a point at one lambda and multipliers at the other are found."""
-    model, gamma = lmis.Model.of(case), case.number("gamma")
-    point = solve(lmis.lemma3_synthesis(model, inside, gamma))
-    beyond = infimum(lmis.pushed(lmis.lemma3_synthesis(model, outside, gamma)))
-    return isinstance(point, Solved) and isinstance(beyond, (Infimum, Infeasible))
+    point = lemma_3(case, lam=repr(inside), g=TABLES["g"]).solve()
+    beyond = lemma_3(case, lam=repr(outside), g=TABLES["g"]).by_margin()
+    return isinstance(point, Solved) and isinstance(beyond, Infeasible)
 
 
 def lambda_band(case: Case) -> FoundDesign:
@@ -235,7 +241,7 @@ def lambda_band(case: Case) -> FoundDesign:
     for end, (within, outside) in {"low": (0.0, -0.6), "high": (1.0, 2.5)}.items():
         while abs(outside - within) > np.log10(1 + BAND):
             middle, solves = 0.5 * (within + outside), solves + 1
-            if _possible(case, 10.0**middle):
+            if isinstance(_decided(case, 10.0**middle), Solved):
                 within = middle
             else:
                 outside = middle

@@ -269,39 +269,96 @@ def equation_13(divided: bool) -> Statement:
     )
 
 
+def equation_17(divided: bool, thin: bool) -> Statement:
+    """(17) as rebuilt: (13) without its terms in C_f'B1'S and C_f'B1'(S - N), which Lemma 2 carries in a row.
+
+    Parameters
+    ----------
+    divided : bool
+        As in (13).
+    thin : bool
+        The split of Lemma 2: C_f' against [S B1; (S - N) B1] (True), or C_f'B1' against [S; S - N].
+    """
+    eq13 = equation_13(divided)
+    left, right, size = ("Cf.T", " @ B1", 3) if thin else ("Cf.T @ B1.T", "", 6)
+    carried = {
+        ("1a", "5a"): "A0.T @ S + a * S",
+        ("1a", "5b"): "A0.T @ (S - N) + C.T @ Fb.T + Fa.T + a * S",
+        ("1a", "lemma 2"): f"{left} / lam1",
+        ("5a", "lemma 2"): f"lam1 * S{right}",
+        ("5b", "lemma 2"): f"lam1 * (S - N){right}",
+        ("lemma 2", "lemma 2"): f"-2 * eye({size})",
+    }
+    return Statement(
+        "(17)", "Theorem 2", (*eq13.rows, "lemma 2"), {**eq13.blocks, **carried}, {**eq13.unknowns, "lam1": positive()}
+    )
+
+
+#: of (12) for all gains, in the place of S, N, Fa and C_f: X = S^-1, Y = S - N, Ch = C_f X and a free block Ah
+ALL_GAINS = {"X": symmetric(6), "Y": symmetric(6), "Ah": matrix(6, 6), "Fb": matrix(6, 3), "Ch": matrix(3, 6)}
+
+
+def all_gains(uncertain: bool = False) -> Statement:
+    """(12) for all gains at once, linear in X, Y, Ah, Fb, Ch (change of variables of Scherer, Gahinet, Chilali, 1997).
+
+    Rows 1a and 1b, 5a and 5b are rows 1 and 6 of (12) times [[X, I], [V', 0]], where P = [[Y, U], [U', .]] has the
+    inverse [[X, V], [V', .]].
+
+    Parameters
+    ----------
+    uncertain : bool
+        Whether A0 varies by L Delta H K, which borders the matrix as in (13).
+    """
+    border = ("H_in", "H_out") if uncertain else ()
+    blocks = {
+        ("1a", "1a"): "-r * X",
+        ("1a", "1b"): "-r * eye(6)",
+        ("1b", "1b"): "-r * Y",
+        ("1a", "2"): "-E",
+        ("1b", "2"): "-Y @ E",
+        ("1a", "3"): "B2",
+        ("1b", "3"): "Y @ B2",
+        ("1a", "4"): "lam * (A0 @ X + B1 @ Ch).T @ W0.T",
+        ("1b", "4"): "lam * A0.T @ W0.T",
+        ("1a", "output"): "X @ C.T",
+        ("1b", "output"): "C.T",
+        ("1a", "5a"): "(A0 @ X + B1 @ Ch + a * X).T",
+        ("1a", "5b"): "(Ah + a * eye(6)).T",
+        ("1b", "5a"): "(A0 + a * eye(6)).T",
+        ("1b", "5b"): "(A0 + a * eye(6)).T @ Y + C.T @ Fb.T",
+        ("2", "2"): "-lam**2 * eye(3)",
+        ("2", "4"): "-lam * E.T @ W0.T",
+        ("3", "3"): "-g * eye(3)",
+        ("3", "4"): "lam * B2.T @ W0.T",
+        ("4", "4"): "-eye(3)",
+        ("output", "output"): "-eye(3)",
+        ("5a", "5a"): "-a * X",
+        ("5a", "5b"): "-a * eye(6)",
+        ("5b", "5b"): "-a * Y",
+    }
+    if uncertain:
+        blocks |= {
+            ("1a", "H_in"): "eps1 * X @ K.T",
+            ("1b", "H_in"): "eps1 * K.T",
+            ("4", "H_out"): "lam * W0 @ L",
+            ("5a", "H_out"): "L",
+            ("5b", "H_out"): "Y @ L",
+            **{(row, row): "-eps1 * eye(12)" for row in border},
+        }
+    rows = ("1a", "1b", "2", "3", "4", "output", "5a", "5b", *border)
+    unknowns = {**ALL_GAINS, **UNCERTAIN_UNKNOWNS, **SCALARS, "eps1": positive()}
+    return Statement("(12)", "Lemma 3", rows, blocks, unknowns)
+
+
 def linear_13(divided: bool) -> Statement:
     """What rows 1a, 1b, 2, 5a, 5b and F3_in of (13) say of X = S^-1, Y = S - N, Fb, Ch = C_f X and a free block Ah.
 
-    Rows 1a and 5a are multiplied by X, and C'C is its Schur complement, the row "output": so the condition is linear,
-    and its infeasibility is that of (13), nonlinear as that is, whatever gamma, eps1 and delta_m.
+    Rows 1a and 5a are multiplied by X, and C'C is its Schur complement, the row "output": (12) for all gains without
+    its rows 3 and 4, with a row for F3. So the condition is linear, and its infeasibility is that of (13), nonlinear
+    as that is, whatever gamma, eps1 and delta_m.
     """
+    free = all_gains().sub("1a", "1b", "2", "output", "5a", "5b")
+    third = {("1a", "F3_in"): "Ch.T" if divided else "eps2 * Ch.T", ("F3_in", "F3_in"): "-eps2 * eye(3)"}
     return Statement(
-        "(13)",
-        "Theorem 1",
-        ("1a", "1b", "2", "5a", "5b", "output", "F3_in"),
-        {
-            ("1a", "1a"): "-r * X",
-            ("1a", "1b"): "-r * eye(6)",
-            ("1b", "1b"): "-r * Y",
-            ("1a", "2"): "-E",
-            ("1b", "2"): "-Y @ E",
-            ("2", "2"): "-lam**2 * eye(3)",
-            ("1a", "5a"): "(A0 @ X + B1 @ Ch + a * X).T",
-            ("1a", "5b"): "Ah.T",
-            ("1b", "5a"): "(A0 + a * eye(6)).T",
-            ("1b", "5b"): "(A0 + a * eye(6)).T @ Y + C.T @ Fb.T",
-            ("5a", "5a"): "-a * X",
-            ("5a", "5b"): "-a * eye(6)",
-            ("5b", "5b"): "-a * Y",
-            ("1a", "output"): "X @ C.T",
-            ("1b", "output"): "C.T",
-            ("output", "output"): "-eye(3)",
-            ("1a", "F3_in"): "Ch.T" if divided else "eps2 * Ch.T",
-            ("F3_in", "F3_in"): "-eps2 * eye(3)",
-        },
-        unknowns={
-            "X": symmetric(6), "Y": symmetric(6), "Ch": matrix(3, 6), "Fb": matrix(6, 3), "Ah": matrix(6, 6),
-            **{name: UNCERTAIN_UNKNOWNS[name] for name in ("A0", "B1", "C", "E")},
-            **{name: positive() for name in ("a", "r", "lam", "eps2")},
-        },
-    )  # fmt: skip
+        "(13)", "Theorem 1", (*free.rows, "F3_in"), {**free.blocks, **third}, {**free.unknowns, "eps2": positive()}
+    )

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from gainsay.errors import CertificateError, ComputationError
-from gainsay.lmi import Solved, solve
+from gainsay.lmi import Solved
 from gainsay.proof import check
 from gainsay.tables import read_case
+<<<<<<< HEAD
 from papers.li2021 import conditions as lmis
 from papers.li2021 import conditions_arcs as arcs
 from papers.li2021 import conditions_robust as robust
@@ -17,7 +18,12 @@ from papers.li2021 import derivations_identities as identities
 from papers.li2021 import plant, proofs, searches
 from papers.li2021 import proofs_requirements as certify
 from papers.li2021 import searches_smooth as design
+=======
+from papers.li2021 import arcs, certify, design, identities, plant, proofs, robust, searches
+>>>>>>> f9d3356 (li2021: (12), (17) and (19) stand once; the solver's programs are made of the statements, (12) for all gains is derived from (12) and back; programs decided by their largest common margin)
 from papers.li2021.figures import FIGURES
+from papers.li2021.proofs import lemma_3
+from papers.li2021.statements import equation_17
 
 ROOT = Path(__file__).resolve().parents[2]
 RNG = np.random.default_rng(11)
@@ -147,13 +153,13 @@ def test_original_coordinates(case, gains):
 
 def test_lemma3_point_gives_a_controller(case):
     # law: a point of the transformed (12) yields gains that satisfy (12) itself; here by the change of variables undone
-    model = lmis.Model.of(case)
-    found = solve(lmis.lemma3_synthesis(model, 3.0, 5.0))
+    model = plant.rigid(plant.constants(case))
+    found = lemma_3(case, lam="3", g="25").solve()
     assert isinstance(found, Solved)
-    X, Y, Ah, Bh, Ch = (found[name] for name in ("X", "Y", "Ah", "Bh", "Ch"))
-    U = np.eye(6) - X @ Y
-    B = np.linalg.solve(U, Bh)
-    A = np.linalg.solve(U, Ah - X @ model.A @ Y - Bh @ model.C @ Y - X @ model.B @ Ch)
+    X, Y, Ah, Fb, Ch = (found[name] for name in ("X", "Y", "Ah", "Fb", "Ch"))
+    U = np.eye(6) - Y @ X
+    B = np.linalg.solve(U, Fb)
+    A = np.linalg.solve(U, Ah - Y @ model.A @ X - Fb @ model.C @ X - Y @ model.B @ Ch)
     loop = np.block([[model.A, model.B @ Ch], [B @ model.C, A]])
     assert np.abs(np.linalg.eigvals(loop) + 1.01).max() < 1
     gain = np.hstack([model.C, np.zeros((3, 6))]) @ np.linalg.solve(-loop, np.vstack([model.B, np.zeros((6, 3))]))
@@ -161,7 +167,7 @@ def test_lemma3_point_gives_a_controller(case):
 
 
 def test_disk_block_certificate_and_its_refusal(case):
-    found = proofs.disk_block(case)
+    found = proofs.open_loop_in_disk(case, equation_17(False, False).sub("1a", "5a"))
     assert check(found, case).conclusions[0].relation == "fails"
     witness = dict(found.witness)
     witness["S"] = [["-1" if i == j else "0" for j in range(6)] for i in range(6)]

@@ -133,6 +133,45 @@ def eq13(divided):
     return rows
 
 
+def eq17(divided, thin):
+    # "(17) where Xi is (13) less the coupling C_f' B1' (S - N) in (1, 5)", and what goes with it in S; Lemma 2 puts
+    # Phi, Psi in a border of -2 I with 1/lambda1, lambda1
+    def rows(S, N, Fa, Fb, Cf, A0, B1, B2, C, E, W0, L, K, a, r, lam, g, eps1, eps2, dm, lam1):
+        found = eq13(divided)(S, N, Fa, Fb, Cf, A0, B1, B2, C, E, W0, L, K, a, r, lam, g, eps1, eps2, dm)
+        Y = S - N
+        found[0][4] = found[0][4] - np.vstack([np.hstack([Cf.T @ B1.T @ S, Cf.T @ B1.T @ Y]), np.zeros((6, 12))])
+        phi, psi = (Cf.T, np.vstack([S @ B1, Y @ B1])) if thin else (Cf.T @ B1.T, np.vstack([S, Y]))
+        width = phi.shape[1]
+        last = [np.vstack([phi, np.zeros((6, width))]) / lam1, 0, 0, 0, lam1 * psi, 0, 0, 0, 0]
+        return [*([*row, cell] for row, cell in zip(found, last, strict=True)), [-2 * I(width)]]
+
+    return rows
+
+
+def all_gains(uncertain):
+    # (12) times diag(T, I, I, I, I, T), T = [[X, I], [V', 0]], with products of P, T and the loop by their blocks
+    def rows(X, Y, Ah, Fb, Ch, A0, B1, B2, C, E, W0, L, K, a, r, lam, g, eps1):
+        TPT = np.block([[X, I(6)], [I(6), Y]])
+        TPAT = np.block([[A0 @ X + B1 @ Ch, A0], [Ah, Y @ A0 + Fb @ C]])
+        TP_B, AT, CT = (lambda M: np.vstack([M, Y @ M])), np.hstack([A0 @ X + B1 @ Ch, A0]), np.hstack([C @ X, C])
+        found = [
+            [-r * TPT, -TP_B(E), TP_B(B2), lam * (W0 @ AT).T, CT.T, (TPAT + a * TPT).T],
+            [-(lam**2) * I(3), 0, -lam * (W0 @ E).T, 0, 0],
+            [-g * I(3), lam * (W0 @ B2).T, 0, 0],
+            [-I(3), 0, 0],
+            [-I(3), 0],
+            [-a * TPT],
+        ]
+        if not uncertain:
+            return found
+        into = [eps1 * np.hstack([K @ X, K]).T, 0, 0, 0, 0, 0]
+        out = [0, 0, 0, lam * W0 @ L, 0, TP_B(L)]
+        found = [[*row, one, two] for row, one, two in zip(found, into, out, strict=True)]
+        return [*found, [-eps1 * I(12), 0], [-eps1 * I(12)]]
+
+    return rows
+
+
 def eq19(S, N, Cf, u_max, theta, eps3, dm):
     return [
         [-(u_max**2) * I(3) + eps3 * dm**2 * I(3), -Cf, 0, 0],
@@ -163,6 +202,8 @@ def eq_b5(P, xi0, theta):
     [
         (st.EQ12, eq12), (st.EQ_A1, eq_a1), (st.EQ_A4, eq_a4), (st.EQ_A5, eq_a5), (st.EQ15, eq15),
         (st.equation_13(False), eq13(False)), (st.equation_13(True), eq13(True)), (st.EQ19, eq19), (st.EQ20, eq20),
+        *((st.equation_17(divided, thin), eq17(divided, thin)) for divided in (False, True) for thin in (False, True)),
+        (st.all_gains(False), all_gains(False)), (st.all_gains(True), all_gains(True)),
         (st.EQ_B2, eq_b2), (st.EQ_B3, eq_b3), (st.EQ_B5, eq_b5),
     ],
     ids=lambda x: getattr(x, "label", None) or "",
@@ -187,6 +228,9 @@ class Kept:
     def prove(self, certificate, **_) -> None:
         self.relations |= {c.quantity: c.relation for c in certificate.conclusions}
 
+    def certificate(self, certificate) -> None:
+        self.relations[certificate.id] = certificate.conclusions[0].relation
+
     def say(self, *_) -> None:
         pass
 
@@ -195,7 +239,15 @@ def test_derivations_hold():
     kept = Kept()
     for work in derivations.TASKS:
         work(CASE, kept)
-    assert set(kept.relations.values()) == {"holds"} and len(kept.relations) == 15
+    assert set(kept.relations.values()) == {"holds"} and len(kept.relations) == 18
+
+
+@pytest.mark.parametrize("derive", [derivations.to_all_gains, lambda case: derivations.from_all_gains(case, True)])
+def test_the_form_for_all_gains_is_12_and_no_other(monkeypatch, derive):
+    wrong = st.EQ12.corrected({("2", "4"): "lam * E_t.T @ W_t.T"}).defining("(12)")
+    monkeypatch.setattr(derivations, "EQ12", wrong)
+    with pytest.raises(CertificateError, match="not proved to be the sum"):
+        derive(CASE)
 
 
 def test_a_wrong_sign_is_no_derivation(monkeypatch):

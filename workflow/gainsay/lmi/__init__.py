@@ -16,6 +16,7 @@ from gainsay.lmi.affine import (
     trace,
 )
 from gainsay.lmi.blocks import BlockMatrix, block_diagonal, equal, within
+from gainsay.lmi.common_margin import by_margin
 from gainsay.lmi.interior import interior_multipliers
 from gainsay.lmi.outcomes import Farkas, Infeasible, Infimum, Solved, Unbounded, Undecided
 from gainsay.lmi.program import Check, Program, Scale
@@ -42,6 +43,7 @@ __all__ = [
     "Variable",
     "affine",
     "block_diagonal",
+    "by_margin",
     "diagonal",
     "equal",
     "infimum",

@@ -123,9 +123,13 @@ class Stated:
         """Look for a point: see `gainsay.lmi.solve`."""
         return lmi.solve(self.program(), near=near)
 
-    def infimum(self) -> Any:
+    def infimum(self, margins: tuple[float, ...] | None = None) -> Any:
         """Enclose the infimum: see `gainsay.lmi.infimum`."""
-        return lmi.infimum(self.program())
+        return lmi.infimum(self.program(), margins)
+
+    def by_margin(self) -> lmi.outcomes.Outcome:
+        """Look for a point, or for multipliers, with room to be rounded: see `gainsay.lmi.by_margin`."""
+        return lmi.by_margin(self.program())
 
     def point(self, values: Mapping[str, Any]) -> Solved:
         """Return values found by other means as a point, recomputed; that it holds is for the certificate to say."""

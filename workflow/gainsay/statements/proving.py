@@ -29,6 +29,7 @@ def prove(
     source: str = "",
     id: str | None = None,
     faith: Sequence[str] = (),
+    digits: Sequence[int] = build.DIGITS,
 ) -> Certificate | None:
     """Prove that a program has a point, or that it has none, by what the solver found.
 
@@ -49,6 +50,8 @@ def prove(
         Id of the certificate; that of the quantity with dashes unless given.
     faith : sequence of str, optional
         What the step from the paper to this program takes on faith.
+    digits : sequence of int, optional
+        As for `gainsay.proof.build.certificate`: where fewer are known not to do.
 
     Returns
     -------
@@ -61,6 +64,7 @@ def prove(
         "paper": results.case.name,
         "quantities": {"feasible": quantity},
         "faith": faith,
+        "digits": digits,
     }
     parts["fields"] = {key: value for key, value in parts["fields"].items() if key != "minimise"}
     try:
@@ -118,7 +122,7 @@ def above(
         What is minimised, for people: ``"rho over (14), (30), (31)"``.
     id : str
     **more
-        As for `gainsay.proof.build.certificate`: faith, precision.
+        As for `gainsay.proof.build.certificate`: faith, precision, digits.
     """
     return build.feasible_point(
         id=id,
@@ -167,6 +171,7 @@ def enclose(
     source: str = "",
     id: str | None = None,
     faith: Sequence[str] = (),
+    digits: Sequence[int] = build.DIGITS,
 ) -> tuple[float, float]:
     """Enclose the infimum of a program by a point and by multipliers, each with its certificate.
 
@@ -174,7 +179,7 @@ def enclose(
     ----------
     results : Results
         Takes certificates ``<id>-above`` and ``<id>-below`` and the quantity with both ends.
-    quantity, stated, source, id, faith
+    quantity, stated, source, id, faith, digits
         As for `prove`.
     found : Infimum
     sentence : str
@@ -193,12 +198,11 @@ def enclose(
     if not isinstance(found, Infimum):
         raise ComputationError(stated.label, f"{type(found).__name__} where an infimum is needed", found.attempts)
     name = id or _slug(quantity)
-    top = above(results.case, quantity, stated, found.solved.values, sentence=sentence, id=f"{name}-above", faith=faith)
+    more: dict[str, Any] = {"sentence": sentence, "faith": faith, "digits": digits}
+    top = above(results.case, quantity, stated, found.solved.values, id=f"{name}-above", **more)
     made, reason = [top], ""
     try:
-        made.append(
-            below(results.case, quantity, stated, found.multipliers, sentence=sentence, id=f"{name}-below", faith=faith)
-        )
+        made.append(below(results.case, quantity, stated, found.multipliers, id=f"{name}-below", **more))
     except CertificateError as error:
         reason = f"; no lower end: {error}"
     for certificate in made:

@@ -1,0 +1,58 @@
+"""A program decided by its largest common margin: points and multipliers with room to be rounded."""
+
+import numpy as np
+
+from gainsay.lmi import duality, scaling
+from gainsay.lmi.affine import Definite, Equal, scalar
+from gainsay.lmi.outcomes import Farkas, Infeasible, Outcome, Solved, Undecided
+from gainsay.lmi.program import Program
+from gainsay.lmi.solving import solve
+
+__all__ = ["by_margin"]
+
+_REASON = "the largest common margin is below zero"
+
+
+def by_margin(program: Program, room: float = 1e-7) -> Outcome:
+    """Decide whether a program has a point by the largest t, at most one, with F_j >= t I for every inequality.
+
+    Unlike those of `solve`, a point lies as far inside as can be in the program's own units, and multipliers keep
+    room inside their cones, in all rows: both survive being rounded to short decimals.
+
+    Parameters
+    ----------
+    program : Program
+        Its objective is not looked at.
+    room : float
+        Least relative eigenvalue asked of multipliers.
+
+    Returns
+    -------
+    Solved or Infeasible or Undecided
+    """
+    t = scalar("common margin")
+    pushed = Program(-t, [_raised(c, t) for c in program.constraints] + [(1 - t > 0).named("cap")], label=program.label)
+    found = solve(pushed, rounds=2)  # its sign and a scaling are wanted, not its digits
+    if not isinstance(found, Solved):
+        return Undecided(program.label, found.attempts, "no largest common margin")
+    if found.objective < 0:
+        values = {name: value for name, value in found.values.items() if name != t.name}
+        check = program.check(values)
+        return Solved(values, check.objective, check, found.gap, found.attempts)
+    scale = scaling.from_point(pushed, pushed.coordinates(found.values))
+    multipliers, raw = duality.pushed_inside(pushed, scale, room)
+    attempts = (*found.attempts, {**raw.record, "aim": "multipliers with room", "asked": room})
+    if multipliers is None or not all(np.isfinite(m).all() for m in multipliers):
+        return Undecided(program.label, attempts)
+    bound, proved = duality.lower_bound(pushed, scale, multipliers)
+    if not bound > 0:
+        return Undecided(program.label, attempts)
+    refuting = {label: z for label, z in proved.items() if label != "cap"}
+    return Infeasible(Farkas(refuting, -bound, 0.0, _REASON), attempts)
+
+
+def _raised(constraint: Definite | Equal, t):
+    if isinstance(constraint, Equal):
+        return constraint
+    size = constraint.expression.shape[0]
+    return (constraint.expression - t * np.eye(size) > 0).named(constraint.label)
