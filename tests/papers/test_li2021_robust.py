@@ -10,17 +10,12 @@ from gainsay.errors import CertificateError, ComputationError
 from gainsay.lmi import Solved
 from gainsay.proof import check
 from gainsay.tables import read_case
-<<<<<<< HEAD
-from papers.li2021 import conditions as lmis
 from papers.li2021 import conditions_arcs as arcs
 from papers.li2021 import conditions_robust as robust
 from papers.li2021 import derivations_identities as identities
 from papers.li2021 import plant, proofs, searches
 from papers.li2021 import proofs_requirements as certify
 from papers.li2021 import searches_smooth as design
-=======
-from papers.li2021 import arcs, certify, design, identities, plant, proofs, robust, searches
->>>>>>> f9d3356 (li2021: (12), (17) and (19) stand once; the solver's programs are made of the statements, (12) for all gains is derived from (12) and back; programs decided by their largest common margin)
 from papers.li2021.figures import FIGURES
 from papers.li2021.proofs import lemma_3
 from papers.li2021.statements import equation_17
