@@ -3,7 +3,7 @@
 import numpy as np
 
 from gainsay.lmi import duality, scaling
-from gainsay.lmi.affine import Definite, Equal, scalar
+from gainsay.lmi.affine import Definite, Entrywise, Equal, Variable, scalar
 from gainsay.lmi.outcomes import Farkas, Infeasible, Outcome, Solved, Undecided
 from gainsay.lmi.program import Program
 from gainsay.lmi.solving import solve
@@ -51,8 +51,10 @@ def by_margin(program: Program, room: float = 1e-7) -> Outcome:
     return Infeasible(Farkas(refuting, -bound, 0.0, _REASON), attempts)
 
 
-def _raised(constraint: Definite | Equal, t):
+def _raised(constraint: Definite | Entrywise | Equal, t: Variable) -> Definite | Entrywise | Equal:
     if isinstance(constraint, Equal):
         return constraint
+    if isinstance(constraint, Entrywise):
+        return Entrywise(constraint.label, constraint.expression - t * np.ones(constraint.expression.shape))
     size = constraint.expression.shape[0]
     return (constraint.expression - t * np.eye(size) > 0).named(constraint.label)
