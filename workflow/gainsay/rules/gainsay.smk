@@ -5,6 +5,7 @@ include: "common.smk"
 include: "paper.smk"
 include: "report.smk"
 include: "check.smk"
+include: "campaign_points.smk"
 include: "campaigns.smk"
 
 
