@@ -260,6 +260,29 @@ def infimum(
     return _enclosed(program, solved, margins)
 
 
+def estimate(program: Program) -> float:
+    """What the solver takes for the infimum, unproved: for a search whose end is then proved.
+
+    Parameters
+    ----------
+    program : Program
+
+    Returns
+    -------
+    float
+        Not a number where the solver gives no point.
+    """
+    scale, value = scaling.first(program), float("nan")
+    for _ in range(2):
+        raw = backends.run(scaling.apply(program, scale), program.constraints, program.margin)
+        if raw.x is None or "Infeasible" in raw.record["status"]:
+            break
+        x = raw.x * scale.unknowns
+        value = float(program.objective.value(program.values(x))[0, 0])
+        scale = scaling.from_point(program, x)
+    return value
+
+
 def _told(program: Program, point: Solved) -> Solved:
     told = _filled(program, point)
     assert isinstance(told, Solved)
