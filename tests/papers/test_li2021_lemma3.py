@@ -22,6 +22,7 @@ def made() -> tuple[list, dict]:
         case=CASE, certificate=certificates.append, prove=lambda c, **_: certificates.append(c),
         undecided=lambda *_, **__: None,
         quantity=lambda name, value, **_: quantities.update({name: value}), say=lambda *_: None,
+        scan=lambda found: quantities.update({point["disk_poles"]: value for value, point in found.found}),
     )  # fmt: skip
     proofs_lemma3.disk_of_lemma_3(CASE, results)
     return certificates, quantities
@@ -52,6 +53,16 @@ def test_the_loop_of_an_inertia_that_is_5_percent_low_leaves_the_disk():
     assert reach(loop(1.0)) > 1.0
     # `light_loop` is built as a satellite of that inertia, without e
     assert proofs_lemma3.light_loop(CASE) == pytest.approx(loop(1.0), abs=1e-12)
+
+
+def test_the_poles_of_a_tilde_alone_keep_the_disk():
+    _, quantities = made()
+    plain = loop(1.0)
+    error = np.zeros((12, 12))
+    factors = plant.uncertain(CONSTANTS)
+    error[3:6, 3:6] = factors.E[3:, 3:] @ np.diag(proofs_lemma3.DELTA) @ factors.W0[3:, 3:]
+    assert quantities["nominal"] == pytest.approx(reach((np.eye(12) + error) @ plain), abs=1e-9)
+    assert quantities["nominal"] < 1 < quantities["loop"] == quantities["lemma3.disk_reach"]
 
 
 def test_both_halves_are_proved():
