@@ -12,8 +12,6 @@ import io
 import json
 import os
 import re
-import runpy
-import shutil
 import threading
 import time
 from pathlib import Path
@@ -25,6 +23,7 @@ from PIL import Image
 from gainsay.logs.foxglove import foxglove_layout
 from gainsay.logs.palette import in_plots, on_both
 from gainsay.logs.reader import read_log
+from tests.end_to_end.browser import Browser, chromium
 from tests.gainsay.demo_log import LAYOUT, write_demo
 
 pytestmark = pytest.mark.slow
@@ -89,12 +88,11 @@ class Handler(http.server.SimpleHTTPRequestHandler):
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
-    chromium = shutil.which("chromium") or shutil.which("google-chrome")
-    if not STUDIO or chromium is None:
+    binary = chromium()
+    if not STUDIO or binary is None:
         # the viewer is a folder of npm packages that the project does not carry
         pytest.skip("no viewer: set GAINSAY_STUDIO, see above, and install chromium")
-    kind = runpy.run_path(str(Path(__file__).with_name("test_page.py")))["Browser"]
-    opened = kind(chromium, tmp_path_factory.mktemp("profile"))
+    opened = Browser(binary, tmp_path_factory.mktemp("profile"))
     yield opened
     opened.close()
 
