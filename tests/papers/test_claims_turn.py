@@ -16,7 +16,7 @@ from gainsay.systems.delay_spectrum import spectral_abscissa, unstable_root_coun
 from gainsay.systems.norms import h2_norm, hinf_norm
 from gainsay.tables import Case, read_case
 from gainsay.verdicts.criterion import NUMERIC, criteria
-from papers.pinheiro2013 import audit, scans
+from papers.pinheiro2013 import audit, scans, scans_studies
 from papers.pinheiro2013 import conditions as mixed
 from papers.pinheiro2013 import conditions_pitch as pitch
 from papers.pinheiro2013.plant import generalized_plant, linear_model, reconstruction
@@ -52,29 +52,29 @@ def turns(case: Case, quantity: str, values: list[float]) -> None:
 EXCHANGED = {"hinf": "h2", "mixed": "mixed", "h2": "hinf"}
 
 
-def exchanged(study: scans.Study) -> scans.Study:
+def exchanged(study: scans_studies.Study) -> scans_studies.Study:
     """The study with the gains of pure H-infinity and pure H2 control exchanged."""
-    other = scans.Designs(PINHEIRO, dict(study.point))
+    other = scans_studies.Designs(PINHEIRO, dict(study.point))
     other.gains = {(level, group): study.gains[EXCHANGED[level], group] for level, group in study.gains}
-    return scans.Study(PINHEIRO, dict(study.point), other)
+    return scans_studies.Study(PINHEIRO, dict(study.point), other)
 
 
 @pytest.fixture(scope="module")
-def studies() -> list[scans.Study]:
+def studies() -> list[scans_studies.Study]:
     """Reconstruction A; with exchanged gains; with heavy moments; in rad/s; with soft, with unstable gains; others."""
-    here = scans.Study(PINHEIRO, {"disturbance_horizon": 6000.0, "harmonics": 1})
-    heavy = scans.Study(PINHEIRO, {f"inertia_{a}": 20.0 for a in "xyz"})
-    fast = scans.Study(PINHEIRO, {"rate_unit": "rad/s"}, here.designs)
-    soft = scans.Designs(PINHEIRO, dict(here.point))
+    here = scans_studies.Study(PINHEIRO, {"disturbance_horizon": 6000.0, "harmonics": 1})
+    heavy = scans_studies.Study(PINHEIRO, {f"inertia_{a}": 20.0 for a in "xyz"})
+    fast = scans_studies.Study(PINHEIRO, {"rate_unit": "rad/s"}, here.designs)
+    soft = scans_studies.Designs(PINHEIRO, dict(here.point))
     # Gains a hundred thousandth as strong: the stiffness is then that of gravity gradient, which a change may turn.
     soft.gains = {key: (1e-5 if key[0] == "hinf" else 1.0) * K for key, K in here.gains.items()}
-    unstable = scans.Designs(PINHEIRO, dict(here.point))
+    unstable = scans_studies.Designs(PINHEIRO, dict(here.point))
     unstable.gains = {key: -K for key, K in here.gains.items()}
     slender = {"inertia_x": 20.0, "inertia_y": 20.0, "inertia_z": 5.8, "orbital_rate": 1.2e-3, "norm_inputs": "d_alone"}
-    light = scans.Study(PINHEIRO, {**slender, "angle_weight": 0.0142, "rate_weight": 0.03})
+    light = scans_studies.Study(PINHEIRO, {**slender, "angle_weight": 0.0142, "rate_weight": 0.03})
     damped = {"inertia_x": 13.8, "inertia_y": 10.2, "inertia_z": 6.7, "orbital_rate": 8.5e-4, "angle_weight": 0.036}
-    slow = scans.Study(PINHEIRO, {**damped, "rate_weight": 6.2, "harmonics": 5, "disturbance_horizon": 6400.0})
-    others = [scans.Study(PINHEIRO, {}, soft), scans.Study(PINHEIRO, {}, unstable), light, slow]
+    slow = scans_studies.Study(PINHEIRO, {**damped, "rate_weight": 6.2, "harmonics": 5, "disturbance_horizon": 6400.0})
+    others = [scans_studies.Study(PINHEIRO, {}, soft), scans_studies.Study(PINHEIRO, {}, unstable), light, slow]
     return [here, exchanged(here), heavy, fast, *others]
 
 

@@ -9,7 +9,7 @@ from gainsay.proof import check
 from gainsay.results import Results, run_tasks
 from gainsay.systems.norms import hinf_norm
 from gainsay.tables import read_case
-from papers.pinheiro2013 import audit, scans, synthesis
+from papers.pinheiro2013 import audit, scans, scans_studies, synthesis
 from papers.pinheiro2013 import conditions as mixed
 from papers.pinheiro2013 import response as responses
 from papers.pinheiro2013.plant import generalized_plant, reconstruction
@@ -48,7 +48,7 @@ def case(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def study(case):
-    return scans.Study(case, {})
+    return scans_studies.Study(case, {})
 
 
 def test_study_without_a_point_is_reconstruction_a(case, study):
@@ -63,7 +63,7 @@ def test_study_without_a_point_is_reconstruction_a(case, study):
 def test_momentum_by_hand(case, study):
     # By hand: the largest moment of reconstruction A times 0.6 deg/s, and times 0.6 rad/s.
     assert study.peak_momentum() == pytest.approx(7.2 * 0.6 * np.pi / 180)
-    assert scans.Study(case, {"rate_unit": "rad/s"}).peak_momentum() == pytest.approx(7.2 * 0.6)
+    assert scans_studies.Study(case, {"rate_unit": "rad/s"}).peak_momentum() == pytest.approx(7.2 * 0.6)
 
 
 def test_torque_after_release_starts_at_the_rate_gain(study):
@@ -72,7 +72,7 @@ def test_torque_after_release_starts_at_the_rate_gain(study):
 
 
 def test_unit_of_the_rates_scales_every_angle(case, study):
-    turned = scans.Study(case, {"rate_unit": "rad/s"}, study.designs)
+    turned = scans_studies.Study(case, {"rate_unit": "rad/s"}, study.designs)
     # Another way: the release itself, integrated at 0.6 rad/s.
     A = responses.loop_matrix(study.satellite, "pitch", study.gains["h2", "pitch"])
     response = responses.Transient(A, np.array([0.0, 0.6]))
@@ -84,20 +84,20 @@ def test_unit_of_the_rates_scales_every_angle(case, study):
 
 def test_studies_of_many_points_share_designs_and_equal_those_of_one(case, study):
     shared = scans.Shared(case)
-    values = {name: scans.base(case, name) for name in scans.RELEASE}
+    values = {name: scans_studies.base(case, name) for name in scans.RELEASE}
     points = [values, {**values, "rate_unit": "rad/s"}, {**values, "norm_inputs": "d_alone"}]
     here, turned, alone = shared.studies(points, scans.RELEASE)
     assert here.designs is turned.designs is not alone.designs
     for key, K in study.gains.items():
         assert here.gains[key] == pytest.approx(K, rel=1e-9, abs=1e-11 * np.abs(K).max())
-    other = scans.Designs(case, {"norm_inputs": "d_alone"})
+    other = scans_studies.Designs(case, {"norm_inputs": "d_alone"})
     assert alone.gains["h2", "pitch"] == pytest.approx(other.gains["h2", "pitch"], rel=1e-9)
 
 
 def test_level_without_the_disturbance_forgets_the_moments(case):
     # Closed form: without d the norm of D11 is p_i/I_i = 0.1 but for terms in n.
     found = [
-        scans.Designs(case, {"norm_inputs": "channels_alone", **{f"inertia_{a}": x for a in "xyz"}}).gamma_min()
+        scans_studies.Designs(case, {"norm_inputs": "channels_alone", **{f"inertia_{a}": x for a in "xyz"}}).gamma_min()
         for x in (3.0, 30.0)
     ]
     assert found == pytest.approx([0.1, 0.1], rel=1e-4)
@@ -106,7 +106,7 @@ def test_level_without_the_disturbance_forgets_the_moments(case):
 def test_level_of_d_alone_is_the_inverse_of_the_least_moment(case):
     # Closed form: d enters the acceleration by 1/I, and D11 has no other column.
     point = {"norm_inputs": "d_alone", "inertia_x": 8.0, "inertia_y": 7.0, "inertia_z": 5.0}
-    assert scans.Designs(case, point).gamma_min() == pytest.approx(0.2, rel=1e-12)
+    assert scans_studies.Designs(case, point).gamma_min() == pytest.approx(0.2, rel=1e-12)
 
 
 def test_gain_of_a_scan_is_a_stationary_point(case, study):
@@ -118,13 +118,13 @@ def test_gain_of_a_scan_is_a_stationary_point(case, study):
 
 def test_every_reading_of_the_norm_inputs_is_stable_at_the_corners(case):
     for reading in ("both", "d_alone", "channels_alone"):
-        assert scans.Designs(case, {"norm_inputs": reading}).worst_abscissa() < 0
+        assert scans_studies.Designs(case, {"norm_inputs": reading}).worst_abscissa() < 0
 
 
 def test_gain_where_the_solver_stops_short(case):
     # Just above the least level with heavy weights no point of the solver holds; the norm is its own oracle.
     point = dict(zip(scans.DESIGN, (9.2, 5.8, 6.2, 9e-4, 10.0, 5.0, "both"), strict=True))
-    study = scans.Study(case, point)
+    study = scans_studies.Study(case, point)
     plant, gamma = study.plants["roll_yaw"], study.designs.gamma("hinf", "roll_yaw")
     K = study.gains["hinf", "roll_yaw"]
     assert hinf_norm(*plant.closed(K)[:4])[0] < gamma
@@ -148,7 +148,7 @@ def test_every_scanned_quantity_has_its_claim(case):
 
 
 def test_points_bear_out_the_printed_levels(case):
-    values = {name: scans.base(case, name) for name in scans.DESIGN}
+    values = {name: scans_studies.base(case, name) for name in scans.DESIGN}
     test = scans.as_printed(case, scans.BOTH_ENDS)
     assert test(values)
     # Closed forms: the infimum is sqrt(0.01 + 1/I^2) of the least moment, 0.21 at 5.4 and 0.14 at 10; 1/I if w is d;
@@ -167,7 +167,7 @@ def test_points_bear_out_the_printed_levels(case):
 
 
 def test_level_that_no_feedback_reaches_is_refused(case):
-    designs = scans.Designs(case, {f"inertia_{a}": 5.0 for a in "xyz"})
+    designs = scans_studies.Designs(case, {f"inertia_{a}": 5.0 for a in "xyz"})
     assert designs.gamma("mixed", "pitch") == 2.0
     with pytest.raises(ComputationError, match=r"no state feedback of pitch reaches 0\.2"):
         designs.gamma("hinf", "pitch")
@@ -178,7 +178,7 @@ def test_range_of_stable_moments_of_pitch(case, hundredths):
     # Closed form: the stiffness K1 + 3 n^2 (Ix (1 + a) - Iz (1 + b)) first vanishes at a = -b = -s with
     # s = (K1 + 3 n^2 (Ix - Iz))/(3 n^2 (Ix + Iz)).
     n, x, z = case.number("orbital_rate"), case.number("inertia_a_x"), case.number("inertia_a_z")
-    designs = scans.Designs(case, {})
+    designs = scans_studies.Designs(case, {})
     k1 = 3 * n**2 * ((hundredths + 0.5) / 100 * (x + z) - (x - z))
     designs.gains = {("hinf", "pitch"): np.array([[k1, 0.3]])}
     assert designs.stable_range("hinf") == pytest.approx(hundredths / 100, abs=1e-12)
