@@ -11,14 +11,14 @@ import numpy as np
 
 from gainsay.errors import InputError
 from gainsay.lmi import duality, scaling
-from gainsay.lmi.affine import Definite, scalar
+from gainsay.lmi.affine import Definite
+from gainsay.lmi.common_margin import MARGIN, raised
 from gainsay.lmi.outcomes import Solved
 from gainsay.lmi.program import Program
 from gainsay.lmi.solving import solve
 
 __all__ = ["Candidate", "candidates"]
 
-_LEVEL = "common level"
 # least eigenvalues asked of multipliers, tried in turn: enough to survive rounding, little enough to refute still
 _PUSHES = (1e-7, 1e-6, 1e-5, 1e-4)
 
@@ -55,29 +55,20 @@ def candidates(program: Program) -> Iterator[Candidate]:
     InputError
         If a constraint is an equation or entrywise.
     """
-    raised = _raised(program)
-    found = solve(raised)
+    for constraint in program.constraints:
+        if not isinstance(constraint, Definite):
+            raise InputError("candidates", field=program.label, value=constraint.label, expected="matrix inequalities")
+    pushed = raised(program)
+    found = solve(pushed)
     if not isinstance(found, Solved):
         return
     level = -found.objective
     if level > 0:
-        yield Candidate(level, {name: value for name, value in found.values.items() if name != _LEVEL}, {})
+        yield Candidate(level, {name: value for name, value in found.values.items() if name != MARGIN}, {})
         return
-    scale = scaling.from_point(raised, raised.coordinates(found.values))
+    scale = scaling.from_point(pushed, pushed.coordinates(found.values))
     for push in _PUSHES:
-        multipliers, _ = duality.pushed_inside(raised, scale, push)
+        multipliers, _ = duality.pushed_inside(pushed, scale, push)
         if multipliers is not None and all(np.isfinite(m).all() for m in multipliers):
-            parts = duality.unscaled(raised.constraints, scale, multipliers)
-            yield Candidate(level, {}, {name: value for name, value in parts.items() if name != _LEVEL})
-
-
-def _raised(program: Program) -> Program:
-    """All inequalities raised by one level of at most 1, which is maximised: always feasible."""
-    level = scalar(_LEVEL)
-    constraints = []
-    for constraint in program.constraints:
-        if not isinstance(constraint, Definite):
-            raise InputError("candidates", field=program.label, value=constraint.label, expected="matrix inequalities")
-        size = constraint.expression.shape[0]
-        constraints.append((constraint.expression - level * np.eye(size) > 0).named(constraint.label))
-    return Program(-level, [*constraints, (1 - level > 0).named(_LEVEL)], label=program.label)
+            parts = duality.unscaled(pushed.constraints, scale, multipliers)
+            yield Candidate(level, {}, {name: value for name, value in parts.items() if name != MARGIN})

@@ -8,8 +8,10 @@ from gainsay.lmi.outcomes import Farkas, Infeasible, Outcome, Solved, Undecided
 from gainsay.lmi.program import Program
 from gainsay.lmi.solving import solve
 
-__all__ = ["by_margin"]
+__all__ = ["MARGIN", "by_margin", "raised"]
 
+#: name of the margin among the unknowns, and of its cap among the constraints
+MARGIN = "common margin"
 _REASON = "the largest common margin is below zero"
 
 
@@ -30,13 +32,12 @@ def by_margin(program: Program, room: float = 1e-7) -> Outcome:
     -------
     Solved or Infeasible or Undecided
     """
-    t = scalar("common margin")
-    pushed = Program(-t, [_raised(c, t) for c in program.constraints] + [(1 - t > 0).named("cap")], label=program.label)
+    pushed = raised(program)
     found = solve(pushed, rounds=2)  # its sign and a scaling are wanted, not its digits
     if not isinstance(found, Solved):
         return Undecided(program.label, found.attempts, "no largest common margin")
     if found.objective < 0:
-        values = {name: value for name, value in found.values.items() if name != t.name}
+        values = {name: value for name, value in found.values.items() if name != MARGIN}
         check = program.check(values)
         return Solved(values, check.objective, check, found.gap, found.attempts)
     scale = scaling.from_point(pushed, pushed.coordinates(found.values))
@@ -47,8 +48,18 @@ def by_margin(program: Program, room: float = 1e-7) -> Outcome:
     bound, proved = duality.lower_bound(pushed, scale, multipliers)
     if not bound > 0:
         return Undecided(program.label, attempts)
-    refuting = {label: z for label, z in proved.items() if label != "cap"}
+    refuting = {label: z for label, z in proved.items() if label != MARGIN}
     return Infeasible(Farkas(refuting, -bound, 0.0, _REASON), attempts)
+
+
+def raised(program: Program) -> Program:
+    """All inequalities raised by one margin of at most 1, which is maximised: the unknown and its cap bear one name.
+
+    It has a point wherever the equations have one.
+    """
+    t = scalar(MARGIN)
+    cap = (1 - t > 0).named(MARGIN)
+    return Program(-t, [*(_raised(c, t) for c in program.constraints), cap], label=program.label)
 
 
 def _raised(constraint: Definite | Entrywise | Equal, t: Variable) -> Definite | Entrywise | Equal:
