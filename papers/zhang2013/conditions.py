@@ -124,9 +124,9 @@ def largest_delay(case: Case, form: Form, gamma: float, limit: float) -> tuple[f
 
     def room(d_M: float) -> float:
         """1/gamma^2 less the one wanted: it falls to zero almost linearly, where gamma^2 itself grows without bound."""
-        stated = least_gamma_program(form(case, d_M=repr(d_M), g="gamma2"))
+        program = least_gamma_program(form(case, d_M=repr(d_M), g="gamma2")).program()
         # Refutations cost much and nothing rests on them here: where the solver sees no point, none is looked for.
-        found = stated.solve() if estimate(stated.program()) > 0 else None
+        found = solve(program) if estimate(program) > 0 else None
         return (1 / found.objective if isinstance(found, Solved) else 0.0) - gamma**-2
 
     def holds(d_M: float) -> bool:
