@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from gainsay.proof import Certificate, build
-from gainsay.statements import matrix
+from gainsay.statements import differing, identical, matrix
 from papers.li2021.statements import FACTORS, PLANT
 
 #: (2) with the entry (3,2) as printed, and as a rotation has it
@@ -22,22 +22,6 @@ MEETING = {**dict.fromkeys(("sf", "st", "sp"), "3/5"), **dict.fromkeys(("cf", "c
 def rotation(entry: str) -> str:
     """(2) with a formula for its entry (3,2)."""
     return f"[[ct*cp, ct*sp, -st], [-cf*sp + sf*st*cp, cf*cp + sf*st*sp, sf*ct], [sf*sp + cf*st*cp, {entry}, cf*ct]]"
-
-
-def _holds(case, quantity, statement, letters, left, right, modulo=(), definitions=()) -> Certificate:
-    names = letters.split()
-    return build.certificate(
-        "identity",
-        id=quantity.replace(".", "-").replace("_", "-"),
-        paper=case.name,
-        tables=case,
-        statement=statement,
-        definitions=definitions,
-        unknowns={name: {} for name in names},
-        witness={name: MEETING.get(name, "1") for name in names} if modulo else {},
-        fields={"left": left, "right": right} | ({"modulo": list(modulo)} if modulo else {}),
-        quantities={"identity": quantity},
-    )
 
 
 def kinematics(case) -> tuple[Certificate, ...]:
@@ -67,32 +51,78 @@ def kinematics(case) -> tuple[Certificate, ...]:
         "[J3*ddpsi + n*(J1 + J3 - J2)*dphi + n**2*(J2 - J1)*psi], [ddphi - n*dpsi], [ddtheta], [ddpsi + n*dphi]]"
     )
     return (
-        build.certificate(
-            "different",
-            id="eq2-printed",
-            paper=case.name,
-            tables=case,
-            statement="The matrix of (2) with its entry (3,2) as printed is not orthogonal where sines are 3/5.",
+        differing(
+            case,
+            "eq2.printed",
+            "The matrix of (2) with its entry (3,2) as printed is not orthogonal where sines are 3/5.",
+            "R @ R.T",
+            "eye(3)",
             definitions=[("R", rotation(PRINTED_32))],
-            unknowns={name: {} for name in angles.split()},
-            witness={name: MEETING[name] for name in angles.split()},
-            fields={"left": "R @ R.T", "right": "eye(3)"},
-            quantities={"identity": "eq2.printed"},
+            at={name: MEETING[name] for name in angles.split()},
         ),
-        _holds(case, "eq2.rotation", "(2) with cos phi sin theta sin psi in its entry (3,2) is orthogonal.", angles,
-               f"({R}) @ ({R}).T", "eye(3)", CIRCLES),
-        _holds(case, "eq2.small", "The small-angle form of (2), corrected, is (2) to first order.", small, R,
-               "[[1, e*psi, -e*theta], [-e*psi, 1, e*phi], [e*theta, -e*phi, 1]]", ["e**2"], FIRST_ORDER),
-        _holds(case, "eq3.kinematics", "With (3) the matrix R of (2), corrected, obeys dR/dt = -[w x] R.",
-               f"{angles} {rates} e", moved, "R - e * cross @ R", ["e**2", *CIRCLES], turned),
-        _holds(case, "eq4.rate", "The display after (4) is (3) less n times the second column of (2), corrected.",
-               f"{angles} {rates} n", AFTER_4, f"({RATE}) @ {EULER_RATES} - n * ({R})[0:3, 1:2]"),
-        _holds(case, "eq5.linear", "(5) is the display after (4) to first order in angles and rates.",
-               f"{small} {rates} n", AFTER_4.replace(EULER_RATES, f"(e * {EULER_RATES})"),
-               "[[e*dphi - n*e*psi], [e*dtheta - n], [e*dpsi + n*e*phi]]", ["e**2"], FIRST_ORDER),
-        _holds(case, "eq6.linear", "D, G and N-bar of (6) are (1) with (5) and the torque 3 n^2 a3 x (J a3), to first "
-               "order.", f"{small} {rates} ddphi ddtheta ddpsi n J1 J2 J3", newton, f"e * {six}", ["e**2"], motion),
-    )  # fmt: skip
+        identical(
+            case,
+            "eq2.rotation",
+            "(2) with cos phi sin theta sin psi in its entry (3,2) is orthogonal.",
+            f"({R}) @ ({R}).T",
+            "eye(3)",
+            angles,
+            modulo=CIRCLES,
+            at=MEETING,
+        ),
+        identical(
+            case,
+            "eq2.small",
+            "The small-angle form of (2), corrected, is (2) to first order.",
+            R,
+            "[[1, e*psi, -e*theta], [-e*psi, 1, e*phi], [e*theta, -e*phi, 1]]",
+            small,
+            definitions=FIRST_ORDER,
+            modulo=["e**2"],
+            at=MEETING,
+        ),
+        identical(
+            case,
+            "eq3.kinematics",
+            "With (3) the matrix R of (2), corrected, obeys dR/dt = -[w x] R.",
+            moved,
+            "R - e * cross @ R",
+            f"{angles} {rates} e",
+            definitions=turned,
+            modulo=["e**2", *CIRCLES],
+            at=MEETING,
+        ),
+        identical(
+            case,
+            "eq4.rate",
+            "The display after (4) is (3) less n times the second column of (2), corrected.",
+            AFTER_4,
+            f"({RATE}) @ {EULER_RATES} - n * ({R})[0:3, 1:2]",
+            f"{angles} {rates} n",
+        ),
+        identical(
+            case,
+            "eq5.linear",
+            "(5) is the display after (4) to first order in angles and rates.",
+            AFTER_4.replace(EULER_RATES, f"(e * {EULER_RATES})"),
+            "[[e*dphi - n*e*psi], [e*dtheta - n], [e*dpsi + n*e*phi]]",
+            f"{small} {rates} n",
+            definitions=FIRST_ORDER,
+            modulo=["e**2"],
+            at=MEETING,
+        ),
+        identical(
+            case,
+            "eq6.linear",
+            "D, G and N-bar of (6) are (1) with (5) and the torque 3 n^2 a3 x (J a3), to first order.",
+            newton,
+            f"e * {six}",
+            f"{small} {rates} ddphi ddtheta ddpsi n J1 J2 J3",
+            definitions=motion,
+            modulo=["e**2"],
+            at=MEETING,
+        ),
+    )
 
 
 def factorisation(case, which: str) -> Certificate:
@@ -103,16 +133,14 @@ def factorisation(case, which: str) -> Certificate:
         "D": "n * (I1 + I3 - I2) * turn - D0",
         "G": "n**2 * diag(4*(I2 - I3), 3*(I1 - I3), I2 - I1) - G0",
     }[which]
-    return build.certificate(
-        "identity",
-        id=f"factorisation-{which.lower()}",
-        paper=case.name,
-        tables=case,
-        statement=f"Delta {which} = Xi_{which} Delta_{which} Gamma_{which} for every delta, Gamma_{which} corrected.",
+    return identical(
+        case,
+        f"factorisation.{which.lower()}",
+        f"Delta {which} = Xi_{which} Delta_{which} Gamma_{which} for every delta, Gamma_{which} corrected.",
+        left,
+        f"X{which} @ {deltas} @ printed('Gamma{which}')",
+        "u1 u2 u3",
         definitions=(*PLANT, *FACTORS, *changed),
-        unknowns={"u1": {}, "u2": {}, "u3": {}},
-        fields={"left": left, "right": f"X{which} @ {deltas} @ printed('Gamma{which}')"},
-        quantities={"identity": f"factorisation.{which.lower()}"},
     )
 
 
@@ -133,38 +161,21 @@ MISPRINTS = (
 def misprints(case) -> Iterator[Certificate]:
     """What is printed is not what the definition gives."""
     for name, what, left, right, quantity in MISPRINTS:
-        yield build.certificate(
-            "different",
-            id=name,
-            paper=case.name,
-            tables=case,
-            statement=what,
-            definitions=PLANT,
-            fields={"left": left, "right": right},
-            quantities={"identity": quantity},
-        )
+        yield differing(case, quantity, what, left, right, id=name, definitions=PLANT)
 
 
 def reduction(case) -> Certificate:
     """Eliminating eta'' from (6) gives (J0 - F'F) q'' + (D0 - F'F Nbar) q' + G0 q = u + d~, for every motion."""
     damping = ", ".join(f"2 * number('modal_damping_{i}') * number('modal_frequency_{i}')" for i in (1, 2, 3, 4))
     stiffness = ", ".join(f"number('modal_frequency_{i}')**2" for i in (1, 2, 3, 4))
-    return build.certificate(
-        "identity",
-        id="eq7-reduction",
-        paper=case.name,
-        tables=case,
-        statement="With eta'' from its second equation (6) is (7) with d~ = F'Cm eta' + F'Lambda eta + d.",
+    return identical(
+        case,
+        "eq7.reduction",
+        "With eta'' from its second equation (6) is (7) with d~ = F'Cm eta' + F'Lambda eta + d.",
+        "J0 @ acc + D0 @ v + G0 @ q + F.T @ (-Cm @ rate - Lambda @ eta - F @ (acc + n * turn @ v))",
+        "(J0 - F.T @ F) @ acc + (D0 - n * F.T @ F @ turn) @ v + G0 @ q - F.T @ (Cm @ rate + Lambda @ eta)",
+        dict.fromkeys(("q", "v", "acc"), matrix(3, 1)) | dict.fromkeys(("eta", "rate"), matrix(4, 1)),
         definitions=(*PLANT, ("Cm", f"diag({damping})"), ("Lambda", f"diag({stiffness})")),
-        unknowns={
-            **dict.fromkeys(("q", "v", "acc"), matrix(3, 1).entry()),
-            **dict.fromkeys(("eta", "rate"), matrix(4, 1).entry()),
-        },
-        fields={
-            "left": "J0 @ acc + D0 @ v + G0 @ q + F.T @ (-Cm @ rate - Lambda @ eta - F @ (acc + n * turn @ v))",
-            "right": "(J0 - F.T @ F) @ acc + (D0 - n * F.T @ F @ turn) @ v + G0 @ q - F.T @ (Cm @ rate + Lambda @ eta)",
-        },
-        quantities={"identity": "eq7.reduction"},
     )
 
 
