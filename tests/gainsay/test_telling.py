@@ -118,7 +118,7 @@ def test_unknown_names_in_code_and_tables_too(root):
 def test_status_takes_a_line_a_paper(root, capsys):
     text = said(root, capsys, "status")
     assert text.count("\n") == 1
-    assert "10 claims: 1 contradicted, 7 reproduced, 1 uncheckable, 1 undetermined; views has not run" in text
+    assert "10 claims: 7 reproduced, 1 contradicted, 1 undetermined, 1 uncheckable; views has not run" in text
 
 
 def test_diff_names_what_differs_and_by_how_much(root, computed, capsys, monkeypatch):

@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from gainsay.report.numbers import digits_apart, number, shorten, span, typeset, with_unit
 from gainsay.report.reading import PaperResults, Row
+from gainsay.tables.models import VERDICTS
 from gainsay.verdicts.published import LINES
 
 __all__ = ["EntryView", "GainView", "NumberView", "PublishedView", "counts_of", "published_view"]
@@ -17,10 +18,8 @@ _PLACE = re.compile(r"(?P<gain>.+)\((?P<row>\d+),(?P<column>\d+)\)")
 _POLE = re.compile(r"(?P<set>.+) (?P<pole>\S+) (?P<part>\S+)")
 #: how a difference in units of the last printed digit is written
 _DIGITS_OF_DIFFERENCE = 2
-#: the order in which columns of counts stand
-OUTCOMES = ("reproduced", "contradicted", "undetermined", "undecided", "uncheckable", "failed")
 #: columns that stand even where they are empty
-ALWAYS = OUTCOMES[:3]
+ALWAYS = VERDICTS[:3]
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,7 @@ def counts_of(rows: Sequence[Row]) -> dict[str, dict[str, int]]:
     Outcomes that no number has are left out but for those that a reader looks for.
     """
     counted = {what: Counter(row["verdict"] for row in rows if row["what"] == what) for what in LINES}
-    some = [o for o in OUTCOMES if o in ALWAYS or any(found[o] for found in counted.values())]
+    some = [o for o in VERDICTS if o in ALWAYS or any(found[o] for found in counted.values())]
     return {LINES[what]: {outcome: found[outcome] for outcome in some} for what, found in counted.items() if found}
 
 
@@ -129,7 +128,7 @@ def _gains(rows: Sequence[Row]) -> tuple[GainView, ...]:
     for name, lines in gains.items():
         shown = tuple(tuple(line[column] for column in sorted(line)) for _, line in sorted(lines.items()))
         counted = Counter(entry.verdict for line in shown for entry in line)
-        views.append(GainView(name, shown, {outcome: counted[outcome] for outcome in OUTCOMES if counted[outcome]}))
+        views.append(GainView(name, shown, {outcome: counted[outcome] for outcome in VERDICTS if counted[outcome]}))
     return tuple(views)
 
 

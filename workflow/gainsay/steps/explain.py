@@ -1,6 +1,5 @@
 """All that one verdict rests on, and where results stand: read from files, nothing is computed."""
 
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from gainsay.tables import Case, read_case
 from gainsay.tables.files import read_csv, read_records
 from gainsay.tables.models import Claim
 from gainsay.tables.units import with_unit
+from gainsay.verdicts.table import outcomes
 
 _WIDTH = 16
 
@@ -127,7 +127,6 @@ def status(root: Path, papers: list[str]) -> list[str]:
     for paper in papers:
         case = read_case(root, paper)
         path = case.results / "verdicts.csv"
-        verdicts = Counter(row["verdict"] for row in read_records(path, root)) if path.is_file() else Counter()
-        counts = ", ".join(f"{count} {verdict}" for verdict, count in sorted(verdicts.items())) or "no verdicts yet"
-        lines.append(f"{paper:<16}{len(case.claims):>4} claims: {counts}; {_state(case)}")
+        counts = outcomes(row["verdict"] for row in read_records(path, root)) if path.is_file() else ""
+        lines.append(f"{paper:<16}{len(case.claims):>4} claims: {counts or 'no verdicts yet'}; {_state(case)}")
     return lines

@@ -1,7 +1,6 @@
 """Join what the steps found, check every certificate again, and give the verdicts."""
 
 import sys
-from collections import Counter
 
 from gainsay.results.listing import write_listing
 from gainsay.results.returned import CERTIFICATE_COLUMNS, PARTS, VERDICT_COLUMNS, read_part
@@ -9,7 +8,7 @@ from gainsay.steps.command import step_command
 from gainsay.tables import Case
 from gainsay.tables.files import Table, write_csv
 from gainsay.verdicts.evidence import Evidence
-from gainsay.verdicts.table import verdict_rows
+from gainsay.verdicts.table import outcomes, verdict_rows
 
 
 def judged(case: Case) -> tuple[dict[str, Table], Evidence]:
@@ -50,8 +49,7 @@ def verdicts(case: Case) -> None:
 def counted(verdicts: Table) -> str:
     """Say how many claims a table of verdicts holds, and how they came out."""
     columns, rows = verdicts
-    counts = Counter(row[columns.index("verdict")] for row in rows)
-    return f"{len(rows)} claims: " + ", ".join(f"{counts[verdict]} {verdict}" for verdict in counts)
+    return f"{len(rows)} claims: {outcomes(str(row[columns.index('verdict')]) for row in rows)}"
 
 
 if __name__ == "__main__":

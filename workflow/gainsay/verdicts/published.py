@@ -11,6 +11,7 @@ from gainsay.results.returned import read_returned
 from gainsay.tables import Case
 from gainsay.tables.files import cell
 from gainsay.tables.models import Claim
+from gainsay.verdicts.table import outcomes
 
 PUBLISHED_COLUMNS = (
     "paper", "claim", "what", "entry", "published", "recomputed", "unit", "low", "high", "units_of_last_digit",
@@ -37,7 +38,6 @@ LINES = {
     "parameter": "parameters",
 }
 _NOUNS = {"quantity": "number", "failure": "failed computation", "erratum": "erratum's witness"}
-_ENDS = ("reproduced", "contradicted", "undetermined", "undecided", "uncheckable", "failed")
 
 Row = Mapping[str, str]
 
@@ -152,14 +152,13 @@ def summary(rows: Iterable[Row]) -> list[str]:
     >>> summary([{"what": "norm", "verdict": "reproduced"}])
     ['norms: 1 published, 1 reproduced']
     """
-    counts = {what: Counter[str]() for what in LINES}
+    sorts: dict[str, list[str]] = {what: [] for what in LINES}
     for row in rows:
-        counts[row["what"]][row["verdict"]] += 1
+        sorts[row["what"]].append(row["verdict"])
     return [
-        f"{LINES[what]}: {sum(found.values())} published, "
-        + ", ".join(f"{found[verdict]} {verdict}" for verdict in _ENDS if found[verdict])
-        for what, found in counts.items()
-        if found
+        f"{LINES[what]}: {len(verdicts)} published, {outcomes(verdicts)}"
+        for what, verdicts in sorts.items()
+        if verdicts
     ]
 
 

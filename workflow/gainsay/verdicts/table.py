@@ -1,8 +1,24 @@
 """The table of verdicts of a paper."""
 
+from collections import Counter
+from collections.abc import Iterable
+
 from gainsay.tables import Case
+from gainsay.tables.models import VERDICTS
 from gainsay.verdicts.evidence import Evidence, read_evidence
 from gainsay.verdicts.judge import Judgement, judge
+
+
+def outcomes(verdicts: Iterable[str]) -> str:
+    """Count verdicts, the decided ones first.
+
+    Examples
+    --------
+    >>> outcomes(["contradicted", "reproduced", "reproduced"])
+    '2 reproduced, 1 contradicted'
+    """
+    counts = Counter(verdicts)
+    return ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts[verdict])
 
 
 def _from_the_scan(case: Case, judged: Judgement, evidence: Evidence) -> list[str]:
