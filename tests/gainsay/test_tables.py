@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from gainsay.errors import InputError
 from gainsay.tables import find_root, paper_names, read_case
-from gainsay.tables.docs import documents
+from gainsay.tables.docs import documents, escaped
 from gainsay.tables.files import cell, read_csv, write_atomically, write_csv, write_json
 from gainsay.tables.lint import given_of
 from gainsay.tables.sentences import sentences, worst
@@ -214,6 +214,18 @@ def test_every_row_of_the_documents_has_as_many_cells_as_its_header():
         for line in text.splitlines() if file.endswith(".md") else ():
             width = (width or len(cells(line))) if line.startswith("|") else 0
             assert len(cells(line) if width else ()) == width, f"{file}: {line}"
+
+
+def test_each_sentence_has_one_row_with_every_claim_of_it():
+    text = documents(ROOT)["docs/verdicts.md"]
+    for paper in paper_names(ROOT):
+        case = read_case(ROOT, paper)
+        rows = [line for line in text.split(f"## {paper}\n")[1].split("\n## ")[0].splitlines() if line.startswith("| ")]
+        spoken = sentences(case.claims.values())
+        assert len(rows) == len(spoken) + 2
+        for together in spoken:
+            holding = [row for row in rows if all(escaped(claim.statement) in row for claim in together)]
+            assert any(row.startswith(f"| {worst(c.expected for c in together)} |") for row in holding), together[0].id
 
 
 def test_units_convert_to_units_that_are_si_themselves():

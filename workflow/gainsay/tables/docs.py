@@ -3,7 +3,8 @@
 import ast
 import json
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from itertools import groupby
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
@@ -96,10 +97,45 @@ def _readme(root: Path, cases: list[Case]) -> str:
     return f"{before}{_START}\n{rows}\n{_END}{after}"
 
 
-def _line(claim: Claim) -> str:
-    said = f"{claim.statement} (given {claim.given})" if claim.given else claim.statement
-    scan = {"possible": "could be to blame", "excluded": "not to blame"}.get(claim.ocr, "")
-    return f"| {claim.expected} | {escaped(claim.where)} | {escaped(said)} | {claim.weight} | {scan} |"
+def _together(words: Iterable[str]) -> str:
+    """Return each of some words once, in the order in which they come."""
+    return "; ".join(word for word in dict.fromkeys(words) if word)
+
+
+def _parts(together: tuple[Claim, ...]) -> Iterator[str]:
+    """Yield what each claim of a sentence says, and what is given: once for those that it is the same for."""
+    mixed = len({claim.expected for claim in together}) > 1
+    given: dict[str, dict[str, None]] = {}
+    for claim in together:
+        text = f"{claim.expected}: {claim.statement}" if mixed else claim.statement
+        given.setdefault(text, {})[claim.given] = None
+    for conditions, group in groupby(given, lambda text: ", or ".join(given[text])):
+        texts = list(group)
+        if not conditions:
+            yield from map(escaped, texts)
+        elif len(texts) == 1:
+            yield escaped(f"{texts[0]} (given {conditions})")
+        else:
+            yield from map(escaped, [*texts, f"(each given {conditions})"])
+
+
+def _row(together: tuple[Claim, ...]) -> str:
+    """Return the row of a sentence: its verdict is the worst of its claims."""
+    verdict = worst(claim.expected for claim in together)
+    blamed = {"possible": "could be to blame", "excluded": "not to blame"}
+    cells = [
+        verdict,
+        escaped(_together(claim.where for claim in together)),
+        "<br>".join(_parts(together)),
+        _together(claim.weight for claim in together),
+        _together(blamed.get(claim.ocr, "") for claim in together),
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+def _rank(together: tuple[Claim, ...]) -> tuple[int, int]:
+    verdict = worst(claim.expected for claim in together)
+    return _ORDER.index(verdict), min(_WEIGHTS.index(claim.weight) for claim in together)
 
 
 def _verdicts(cases: list[Case]) -> str:
@@ -122,8 +158,7 @@ def _verdicts(cases: list[Case]) -> str:
             "| verdict | where | the paper says | weight | scan of the text |",
             "| --- | --- | --- | --- | --- |",
         ]
-        claims = sorted(case.claims.values(), key=lambda c: (_ORDER.index(c.expected), _WEIGHTS.index(c.weight)))
-        lines += [_line(claim) for claim in claims]
+        lines += [_row(together) for together in sorted(sentences(case.claims.values()), key=_rank)]
     return "\n".join(lines) + "\n"
 
 
