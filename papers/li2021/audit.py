@@ -1,6 +1,7 @@
 """Audit of the printed controllers: poles, norms, vertices, random gains; and of what the model leaves out."""
 
 from fractions import Fraction
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -18,6 +19,7 @@ from gainsay.tables import Case
 from gainsay.verdicts.scan import plausible, scan
 from papers.li2021 import derivations_identities as identities
 from papers.li2021 import plant, response
+from papers.li2021.plant import Gains
 from papers.li2021.proofs_full_model import FLEXIBLE, torque_over_inputs
 from papers.li2021.proofs_lemma3 import disk_of_lemma_3
 from papers.li2021.proofs_requirements import COMPARISON, PRINTED
@@ -30,26 +32,25 @@ LOOP = (
     ("Bcl", "col(B, zeros(6, 3))"),
     ("Ccl", "row(C, zeros(3, 6))"),
 )
-HOLDS = {"constant": "constant", "fast": "0.1", "slow": "1"}
 #: draws of a whole simulation behind Figures 8 and 9, by how the gains are held
 SIMULATED = {"constant": 150, "fast": 20, "slow": 40}
 WINDOW = 100.0
 MU_EARTH = Fraction("3.986004418e14")
 
 
-def reduced_loop(case: Case, gains) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def reduced_loop(case: Case, gains: Gains) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A, B and C of (10) from d~ to y, nominal inertia."""
     nominal = plant.rigid(plant.constants(case))
     B, C = np.vstack([nominal.B, np.zeros((6, 3))]), np.hstack([nominal.C, np.zeros((3, 6))])
     return plant.closed_loop(nominal, gains), B, C
 
 
-def vertices(case: Case, gains) -> tuple[float, float, np.ndarray]:
+def vertices(case: Case, gains: Gains) -> tuple[float, float, np.ndarray]:
     """Largest disk reach and abscissa over all signs of 5 % in twelve gain factors and three inertias, and where."""
     k, disk = plant.constants(case), disk_of(case)
     signs = np.array(list(product((-1, 1), repeat=12)))
     factors = 1 + case.number("delta_m") * signs
-    reach, abscissa, where = 0.0, -np.inf, None
+    reach, abscissa, where = 0.0, -np.inf, np.zeros(15)
     for delta in product((-1, 1), repeat=3):
         loops = plant.closed_loop(plant.rigid(k, delta), gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
         poles = np.linalg.eigvals(loops)
@@ -65,7 +66,7 @@ def disk_of(case: Case) -> Disk:
     return Disk(case.number("disk_centre"), case.number("disk_radius"))
 
 
-def unstable_fraction(case: Case, gains, batch: int = 20_000) -> tuple[float, float]:
+def unstable_fraction(case: Case, gains: Gains, batch: int = 20_000) -> tuple[float, float]:
     """Fraction of constant draws 1 + U(0, 1) of the twelve factors with an unstable (10), and its standard error."""
     nominal, generator = plant.rigid(plant.constants(case)), np.random.default_rng(int(case.number("seed")))
     total, unstable = int(case.number("draws")), 0
@@ -104,7 +105,7 @@ def kinematics(case: Case, results: Results) -> None:
 @task("Figure 3, open loop")
 def open_loop(case: Case, results: Results) -> None:
     """Open-loop poles: near the origin, some in the right half plane, proved."""
-    A, exact = plant.rigid(plant.constants(case)).A, plant.rigid(plant.constants(case, exact=True)).A
+    A, exact = plant.rigid(plant.constants(case)).A, plant.rigid(plant.exact_constants(case)).A
     values = np.linalg.eigvals(A)
     for name, of in (("abscissa", lambda s: s.real), ("largest", abs)):
         results.quantity(f"audit.open_loop.{name}", **plant.enclosed_poles(exact, of), source="Figure 3",
@@ -138,20 +139,20 @@ def certify_nominal(case: Case, results: Results, name: str, norm: float, reach:
     disk = disk_of(case)
     definitions = (*PLANT, *FORMULAS[name], *LOOP)
     tight = Disk(disk.centre, float(f"{reach + 2e-4:.4f}"))
-    shared = {"paper": case.name, "tables": case, "definitions": definitions}
-    results.certificate(build.certificate(
+    certificate = partial(build.certificate, paper=case.name, tables=case, definitions=definitions)
+    results.certificate(certificate(
         "stein", id=f"{name}-disk",
         statement=f"The poles of (10) with the printed {name} gains lie in D({disk.centre}, {tight.radius}).",
         fields={"matrix": "Acl", "shift": "number('disk_centre')", "radius": str(tight.radius)},
-        witness={"P": tight.lyapunov_matrix(A)}, quantities={"radius": f"audit.{name}.disk_radius"}, **shared,
+        witness={"P": tight.lyapunov_matrix(A)}, quantities={"radius": f"audit.{name}.disk_radius"},
     ))  # fmt: skip
     gamma = float(f"{norm * (1 + 2e-5):.6g}")
-    results.certificate(build.certificate(
+    results.certificate(certificate(
         "bounded_real", id=f"{name}-norm",
         statement=f"The norm from d~ to y of (10) with the printed {name} gains is below {gamma}.",
         fields={"A": "Acl", "B": "Bcl", "C": "Ccl", "gamma": f"{gamma}"},
         witness={"P": bounded_real_certificate_matrix(A, B, C, None, gamma)},
-        quantities={"norm": f"audit.{name}.hinf"}, **shared,
+        quantities={"norm": f"audit.{name}.hinf"},
     ))  # fmt: skip
 
 
@@ -159,23 +160,24 @@ def certify_nominal(case: Case, results: Results, name: str, norm: float, reach:
 def flexible_loop(case: Case, results: Results) -> None:
     """The full model under the proposed gains: stable, but its modes lie outside the disk; both proved."""
     loop = plant.closed_loop(plant.flexible(plant.constants(case)), plant.controller(case, "proposed"))
-    shared = {"paper": case.name, "tables": case, "definitions": (*PLANT, *PRINTED, *FLEXIBLE)}
+    definitions = (*PLANT, *PRINTED, *FLEXIBLE)
+    certificate = partial(build.certificate, paper=case.name, tables=case, definitions=definitions)
     alpha, radius = -0.006, 1.2
-    results.certificate(build.certificate(
+    results.certificate(certificate(
         "lyapunov", id="flexible-stable",
         statement=f"Every pole of (6) with the printed proposed gains has a real part below {alpha}.",
         fields={"matrix": "loop", "alpha": str(alpha)}, witness={"P": HalfPlane(alpha).lyapunov_matrix(loop)},
-        quantities={"abscissa": "audit.proposed.flexible_abscissa"}, **shared,
+        quantities={"abscissa": "audit.proposed.flexible_abscissa"},
     ))  # fmt: skip
     moved = (loop + case.number("disk_centre") * np.eye(20)) / radius
     P = solve_discrete_lyapunov(moved.T, np.eye(20))
     P = (P + P.T) / 2
-    results.certificate(build.certificate(
+    results.certificate(certificate(
         "unstable", id="flexible-outside-disk",
         statement=f"(6) with the printed proposed gains has a pole outside D({case.number('disk_centre')}, {radius}).",
         fields={"matrix": "loop", "shift": "number('disk_centre')", "radius": str(radius)},
         witness={"P": P, "z": np.linalg.eigh(P)[1][:, 0]},
-        quantities={"radius": "audit.proposed.flexible_disk_radius"}, **shared,
+        quantities={"radius": "audit.proposed.flexible_disk_radius"},
     ))  # fmt: skip
     gains, k, disk = plant.controller(case, "proposed"), plant.constants(case), disk_of(case)
     reach = {
@@ -190,7 +192,7 @@ def flexible_loop(case: Case, results: Results) -> None:
     results.say("(6) with (8)", "stable, and outside the disk that the reduced loop keeps")
 
 
-def audit_controller(case: Case, results: Results, name: str, gains) -> None:
+def audit_controller(case: Case, results: Results, name: str, gains: Gains) -> None:
     """Every quantity of one controller that needs no simulation."""
     A, B, C = reduced_loop(case, gains)
     disk, k = disk_of(case), plant.constants(case)
@@ -267,7 +269,7 @@ def small_angles(case: Case, results: Results) -> None:
         angles, rates = scale * x0[:3], scale * x0[3:]
         first = np.concatenate([angles, attitude.rate_body(angles, rates, n), np.zeros(6)])
 
-        def nonlinear(t, s):
+        def nonlinear(t: float, s: np.ndarray) -> np.ndarray:
             torque = gains.C @ s[6:]
             omega = s[3:6]
             turn = (torque + attitude.gravity_gradient(J, s[:3], n) - np.cross(omega, J * omega)) / J
@@ -290,7 +292,7 @@ def residuals(case: Case, reading: str, name: str) -> np.ndarray:
     loop, seed = FlexibleLoop(case, plant.controller(case, name)), int(case.number("seed"))
     found = []
     for number in range(SIMULATED[reading]):
-        times, states = response.redrawn(loop, HOLDS[reading], np.random.default_rng((seed, number)))
+        times, states = response.redrawn(loop, response.HOLDS[reading], np.random.default_rng((seed, number)))
         found.append(np.abs(states[times >= times[-1] - WINDOW][:, response.ANGLES]).max())
     return np.array(found)
 
@@ -299,7 +301,7 @@ def residuals(case: Case, reading: str, name: str) -> np.ndarray:
 def random_gains(case: Case, results: Results) -> None:
     """Residual angles under random gains, in the three readings of how often they are drawn."""
     source, ratio = "Figures 8 and 9", {}
-    for reading, hold in HOLDS.items():
+    for reading, hold in response.HOLDS.items():
         residual = {name: residuals(case, reading, name) for name in ("proposed", "comparison")}
         for name, found in residual.items():
             shared = f"of {len(found)} runs, largest angle in the last 100 s"
@@ -313,11 +315,11 @@ def random_gains(case: Case, results: Results) -> None:
                          method="share of the common draws with the smaller residual")  # fmt: skip
         results.say(f"Figures 8 and 9, {reading}", f"proposed has the smaller residual in {better:.0%} of the draws")
     inputs = [plausible(case, "draw_hold")]
-    found = scan(case, "draws.residual_ratio", inputs, lambda x: ratio[x["draw_hold"]])
-    results.scan(found)
+    over = scan(case, "draws.residual_ratio", inputs, lambda x: ratio[x["draw_hold"]])
+    results.scan(over)
     results.quantity("draws.residual_ratio", ratio[case.choice("draw_hold")], source=source,
                      method="ratio of the medians, proposed over [39], gains drawn once")  # fmt: skip
-    results.say(source, found.note)
+    results.say(source, over.note)
 
 
 TASKS = (

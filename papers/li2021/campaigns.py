@@ -4,7 +4,6 @@ Certificates of the map are over the printed digits; draws and boxes bound what 
 """
 
 from collections.abc import Mapping
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -44,12 +43,16 @@ def loops_of(case: Case, name: str, factors: np.ndarray) -> tuple[np.ndarray, np
     -------
     (loops, error) : tuple of ndarray, shapes (m, 12, 12)
     """
-    exact = plant.rigid(plant.constants(case, exact=True)), plant.controller(case, name, exact=True)
-    near = [SimpleNamespace(**{key: np.array(getattr(of, key), dtype=float) for key in "ABC"}) for of in exact]
-    sizes = [SimpleNamespace(**{key: np.abs(value) for key, value in vars(of).items()}) for of in near]
+    of, gains = plant.rigid(plant.exact_constants(case)), plant.controller(case, name, exact=True)
+    near = plant.Plant(*_doubles(of)), plant.Gains(*_doubles(gains))
+    sizes = plant.Plant(*map(np.abs, _doubles(of))), plant.Gains(*map(np.abs, _doubles(gains)))
     parts = factors[:, :6], factors[:, 6:9], factors[:, 9:]
     # every entry is a sum of at most three products of doubles, each the nearest to an exact number or a draw
     return plant.closed_loop(*near, *parts), gamma(12) * plant.closed_loop(*sizes, *parts)
+
+
+def _doubles(exact: plant.Plant | plant.Gains) -> list[np.ndarray]:
+    return [np.array(matrix, dtype=float) for matrix in (exact.A, exact.B, exact.C)]
 
 
 def random_gains(case: Case, block: Block) -> dict[str, tuple[int, int]]:

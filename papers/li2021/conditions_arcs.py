@@ -6,6 +6,8 @@ upper half of the circle is needed, the data being real. The scalings are found 
 they hold on whole arcs is left to the checker (`gainsay.proof.kinds.contour`).
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.linalg import solve_discrete_are
 from scipy.optimize import brentq, minimize, minimize_scalar
@@ -65,7 +67,7 @@ def peak(form: Loop, a: float, b: float, nodes: int = 61) -> tuple[float, float]
     return best
 
 
-def largest_delta(build, a: float, b: float, low: float, high: float) -> tuple[float, float]:
+def largest_delta(build: Callable[[float], Loop], a: float, b: float, low: float, high: float) -> tuple[float, float]:
     """Largest delta_m at which the peak stays below one, and the angle that limits it.
 
     Parameters

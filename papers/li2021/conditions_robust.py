@@ -13,7 +13,7 @@ from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 from scipy.optimize import minimize
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import BlockMatrix, Program, affine, positive, symmetric
+from gainsay.lmi import Affine, BlockMatrix, Program, Variable, affine, positive, symmetric
 from papers.li2021 import plant
 
 CHANNELS = 27
@@ -82,13 +82,13 @@ class Loop:
         return self.Cz @ np.linalg.solve(z * np.eye(len(self.A)) - self.A, self.H) + self.Dw
 
 
-def loop(k: plant.Constants, gains, delta_m: float) -> Loop:
+def loop(k: plant.Constants[float], gains: plant.Gains, delta_m: float) -> Loop:
     """Linear fractional form of (10) for gains and a bound on the gain variation.
 
     Parameters
     ----------
     k : Constants
-    gains : namespace with A, B, C
+    gains : Gains
     delta_m : float
         Bound on the twelve gain variations of (9).
     """
@@ -121,7 +121,7 @@ def loop(k: plant.Constants, gains, delta_m: float) -> Loop:
     return Loop(A=A, H=H, B=B, Cz=Cz, Dw=Dw, Dd=Dd, C=C, T=np.eye(12), channel=np.ones(CHANNELS))
 
 
-def _multipliers():
+def _multipliers() -> tuple[list[Variable], Affine]:
     parts = [positive(f"d{i}") for i in range(MULTIPLIERS)]
     D = affine(np.zeros((CHANNELS, CHANNELS)))
     for i, part in enumerate(parts):

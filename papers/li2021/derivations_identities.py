@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from gainsay.proof import Certificate, build
 from gainsay.statements import differing, identical, matrix
+from gainsay.tables import Case
 from papers.li2021.statements import FACTORS, PLANT
 
 #: (2) with the entry (3,2) as printed, and as a rotation has it
@@ -24,7 +25,7 @@ def rotation(entry: str) -> str:
     return f"[[ct*cp, ct*sp, -st], [-cf*sp + sf*st*cp, cf*cp + sf*st*sp, sf*ct], [sf*sp + cf*st*cp, {entry}, cf*ct]]"
 
 
-def kinematics(case) -> tuple[Certificate, ...]:
+def kinematics(case: Case) -> tuple[Certificate, ...]:
     """(2) to (6) in this order, and that (2) as printed is no rotation."""
     R, angles = rotation(CORRECTED_32), "cf sf ct st cp sp"
     turned = (
@@ -125,7 +126,7 @@ def kinematics(case) -> tuple[Certificate, ...]:
     )
 
 
-def factorisation(case, which: str) -> Certificate:
+def factorisation(case: Case, which: str) -> Certificate:
     """Delta D or Delta G equals its product of factors for every delta."""
     deltas = {"D": "diag(u1, u1, u3, u3, u2, u2)", "G": "diag(u2, u2, u1, u3, u3, u1)"}[which]
     changed = (("I1", "J1 + u1*d1"), ("I2", "J2 + u2*d2"), ("I3", "J3 + u3*d3"))
@@ -158,13 +159,13 @@ MISPRINTS = (
 )  # fmt: skip
 
 
-def misprints(case) -> Iterator[Certificate]:
+def misprints(case: Case) -> Iterator[Certificate]:
     """What is printed is not what the definition gives."""
     for name, what, left, right, quantity in MISPRINTS:
         yield differing(case, quantity, what, left, right, id=name, definitions=PLANT)
 
 
-def reduction(case) -> Certificate:
+def reduction(case: Case) -> Certificate:
     """Eliminating eta'' from (6) gives (J0 - F'F) q'' + (D0 - F'F Nbar) q' + G0 q = u + d~, for every motion."""
     damping = ", ".join(f"2 * number('modal_damping_{i}') * number('modal_frequency_{i}')" for i in (1, 2, 3, 4))
     stiffness = ", ".join(f"number('modal_frequency_{i}')**2" for i in (1, 2, 3, 4))
@@ -179,7 +180,7 @@ def reduction(case) -> Certificate:
     )
 
 
-def completed_square(case) -> Certificate:
+def completed_square(case: Case) -> Certificate:
     """Lemma 2: (Theta/l + l Gamma)(.)'/2 - (Theta Gamma' + Gamma Theta') is half a square, here times l^2."""
     return build.certificate(
         "identity",
@@ -200,7 +201,7 @@ def completed_square(case) -> Certificate:
     )
 
 
-def negative_multiplier(case) -> Certificate:
+def negative_multiplier(case: Case) -> Certificate:
     """Lemma 1 without mu > 0: Y = 0, H = E = 1 and mu = -1 meet its condition, but its conclusion fails at F = 1."""
     return build.certificate(
         "feasible",

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from gainsay.figures import FigureSpec, bound, curve, curves, ended, finish, panels
+from gainsay.figures import Draw, FigureSpec, bound, curve, curves, ended, finish, panels
 from gainsay.logs import Log
 from gainsay.logs.palette import role
 from gainsay.results.returned import read_part
@@ -78,7 +78,7 @@ def modes(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     finish(figure, grid)
 
 
-def random_gains(name: str):
+def random_gains(name: str) -> Draw:
     """Return the drawing of Figure 8 or 9: angles under random gains, in three readings."""
 
     def draw(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:

@@ -24,7 +24,7 @@ def lemma_3(case: Any, uncertain: bool = False, **texts: str | None) -> Stated:
     """
     given = {**TABLES, "g": "g2", **texts}
     known = {name: text for name, text in given.items() if text is not None}
-    held = all_gains(uncertain).defining(unknowns={"g2": scalar()}, **known) < 0
+    held = all_gains(uncertain).defining(known, unknowns={"g2": scalar()}) < 0
     return Stated(case, [held], minimise=None if "g" in texts else "g2", label="(12), all gains")
 
 
@@ -40,8 +40,8 @@ def printed_gains(case: Any, *rows: str, **texts: str) -> Stated:
     Definitions otherwise than by Table 1 are given as texts.
     """
     texts = {**TABLES, "g": "g2", **PRINTED_LOOP, **LOOP, **texts}
-    held = EQ12.sub(*rows or EQ12.rows).defining(unknowns={"g2": scalar()}, **texts) < 0
-    return Stated(case, [held], minimise="g2" if "3" in held.statement.rows else None, label="(12), printed gains")
+    statement = EQ12.sub(*rows or EQ12.rows).defining(texts, unknowns={"g2": scalar()})
+    return Stated(case, [statement < 0], minimise="g2" if "3" in statement.rows else None, label="(12), printed gains")
 
 
 def input_bound(case: Any) -> Stated:
@@ -50,8 +50,8 @@ def input_bound(case: Any) -> Stated:
     The rows of the angles are left out: S and N enter those with one sign alone, so that no proof gives them weight.
     """
     scalars = {name: f"number('{name}')" for name in ("u_max", "theta", "eps3")}
-    eq19 = EQ19.defining(Cf="printed('Cf')", dm=TABLES["dm"], **scalars)
-    eq15 = EQ15.sub("1a", "1b", "2").defining(**TABLES)
+    eq19 = EQ19.defining(scalars, Cf="printed('Cf')", dm=TABLES["dm"])
+    eq15 = EQ15.sub("1a", "1b", "2").defining(TABLES)
     rate = "col(zeros(3, 3), eye(3))"
 
     def part(of: Statement, rows: str) -> Statement:
@@ -86,7 +86,7 @@ def open_loop_in_disk(case: Any, rows: Statement) -> Certificate:
             "That the terms of (1,5) in C_f are those that Lemma 2 takes out of the lost matrix Xi, so that row 1a, "
             "column 5a of (17) is A0'S + aS; with C_f left there the inequality would not be linear.",
         ),
-        **Stated(case, [rows.defining(**TABLES) < 0, "S > 0"]).parts(),
+        **Stated(case, [rows.defining(TABLES) < 0, "S > 0"]).parts(),
     )
 
 
@@ -101,7 +101,7 @@ def theorem_1_unknowns(case: Any, values: Mapping[str, np.ndarray]) -> dict[str,
 
 def solution_of_13(case: Any, values: Mapping[str, np.ndarray]) -> Certificate:
     """A solution of (13), in the reading in which eps2 multiplies psi_3; 1/eps2 serves the other reading."""
-    eq13 = equation_13(divided=False).defining(**{**TABLES, "eps2": EPS2, "dm": DELTA_M})
+    eq13 = equation_13(divided=False).defining(TABLES, eps2=EPS2, dm=DELTA_M)
     return build.feasible_point(
         id="eq13-feasible-elsewhere",
         paper=case.name,

@@ -113,7 +113,7 @@ def witness(case: Case) -> tuple[np.ndarray, np.ndarray]:
     output = (1 + case.number("delta_m")) * plant.controller(case, "proposed").C @ T[14:20]
     P, D = symmetric("P", STATES), affine(np.zeros((CHANNELS, CHANNELS)))
     for i in range(len(c)):
-        D = D + positive(f"d{i}") * np.diag((i == OF_CHANNEL).astype(float))
+        D = D + positive(f"d{i}") * np.diag(np.equal(OF_CHANNEL, i).astype(float))
     top, whole, n = P @ V, Z.T @ D @ Z, STATES
     F = BlockMatrix("torque", "state", "channel")
     F["state", "state"] = top[:, :n] + top[:, :n].T + whole[:n, :n]

@@ -5,7 +5,6 @@
 """
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
@@ -30,11 +29,13 @@ DELTA = (-1, 1, -1)
 LIGHT_PLANT = "A0 + L @ diag(1, 1, -1, -1, -1, -1, -1, -1, -1, -1, 1, 1) @ K"
 LIGHT = "inverse(eye(12) + E_t @ diag(-1, 1, -1) @ W_t) @ A_t"
 #: P = p x (J0 - F'F), a Kronecker product, found by a solver; the three axes are nearly alike and nearly apart
-SMALL_P = (
-    (313.3948, -162.8287, -311.9225, 167.527),
-    (-162.8287, 92.959, 161.7772, -95.3903),
-    (-311.9225, 161.7772, 311.327, -164.2522),
-    (167.527, -95.3903, -164.2522, 105.28),
+SMALL_P = np.array(
+    (
+        (313.3948, -162.8287, -311.9225, 167.527),
+        (-162.8287, 92.959, 161.7772, -95.3903),
+        (-311.9225, 161.7772, 311.327, -164.2522),
+        (167.527, -95.3903, -164.2522, 105.28),
+    )
 )
 #: lambda and gamma^2 at which (12) is met, and how far outside the pole is shown to lie, 1/s
 LAMBDA, GAMMA_SQUARED, REACH = "7", "10000", "1.003"
@@ -44,7 +45,7 @@ def light_loop(case: Case) -> np.ndarray:
     """State matrix (12, 12) of (10) with these gains and every inertia 5 % low, in doubles."""
     k, k1, k2, l1, l2 = plant.constants(case), *(float(GAINS[name]) for name in ("k1", "k2", "l1", "l2"))
     eye, kept = np.eye(3), np.diag(k.inertia) - k.coupling.T @ k.coupling
-    gains = SimpleNamespace(
+    gains = plant.Gains(
         A=np.block([[-l1 * eye, eye], [-(l2 + k1) * eye, -k2 * eye]]),
         B=np.vstack([l1 * eye, l2 * eye]),
         C=kept @ np.hstack([-k1 * eye, -k2 * eye]),
@@ -66,7 +67,7 @@ def disk_of_lemma_3(case: Case, results: Results) -> None:
         **TABLES, **GAINS, **CONTROLLER, "A": LIGHT_PLANT, "Ad": "Af", "Bd": "Bf", "Cd": "Cf", **LOOP,
         "lam": LAMBDA, "g": GAMMA_SQUARED,
     }  # fmt: skip
-    stated = Stated(case, [EQ12.defining(**texts) < 0, "P > 0"], label="(12)")
+    stated = Stated(case, [EQ12.defining(texts) < 0, "P > 0"], label="(12)")
     prove(
         results,
         "lemma3.eq12",

@@ -13,6 +13,7 @@ from scipy.linalg import solve_discrete_lyapunov
 from gainsay.errors import ComputationError
 from gainsay.lmi import solve
 from gainsay.proof import Certificate, build
+from gainsay.tables import Case
 from papers.li2021 import conditions_arcs as arcs
 from papers.li2021 import conditions_robust as robust
 from papers.li2021 import plant
@@ -31,8 +32,10 @@ CHANNELS = (
     ("k", "(1 + dm) * row(zeros(3, 6), Cf)"),
     ("x0", "col(printed('x0'), zeros(6, 1))"),
 )  # fmt: skip
-PRINTED = (("Af", "printed('Af')"), ("Bf", "printed('Bf')"), ("Cf", "printed('Cf')"))
-COMPARISON = (("Af", "printed('Af39')"), ("Bf", "printed('Bf39')"), ("Cf", "printed('Cf39')"))
+#: formulas of Af, Bf, Cf
+Formulas = tuple[tuple[str, str], ...]
+PRINTED: Formulas = (("Af", "printed('Af')"), ("Bf", "printed('Bf')"), ("Cf", "printed('Cf')"))
+COMPARISON: Formulas = (("Af", "printed('Af39')"), ("Bf", "printed('Bf39')"), ("Cf", "printed('Cf39')"))
 #: channels of the linear fractional form as blocks
 BLOCKS = (*[["repeated", 1]] * 12, ["full", 3, 3], *[["repeated", 1]] * 12)
 FAITH = (
@@ -41,7 +44,7 @@ FAITH = (
 )
 
 
-def of_design(name: str) -> tuple[tuple[str, str], ...]:
+def of_design(name: str) -> Formulas:
     """Formulas of the gains of a design of ours."""
     return tuple((f"{letter}f", f"design('{name}', '{letter}')") for letter in "ABC")
 
@@ -71,17 +74,17 @@ class Evidence:
     torque: tuple[np.ndarray, np.ndarray]
 
 
-def start_state(case) -> np.ndarray:
+def start_state(case: Case) -> np.ndarray:
     """xi(0) = (x(0), 0)."""
     return np.concatenate([case.matrix("x0").ravel(), np.zeros(6)])
 
 
-def torque_output(gains, delta_m: float) -> np.ndarray:
+def torque_output(gains: plant.Gains, delta_m: float) -> np.ndarray:
     """(1 + delta_m) [0 C_f]."""
     return (1 + delta_m) * np.hstack([np.zeros((3, 6)), gains.C])
 
 
-def norm_evidence(case, form: robust.Loop) -> tuple[np.ndarray, np.ndarray]:
+def norm_evidence(case: Case, form: robust.Loop) -> tuple[np.ndarray, np.ndarray]:
     """P and multipliers of the norm condition at the paper's gamma, from scalings and a Riccati equation.
 
     Both in the coordinates of the loop, which is to be balanced.
@@ -93,7 +96,9 @@ def norm_evidence(case, form: robust.Loop) -> tuple[np.ndarray, np.ndarray]:
     return robust.norm_riccati(form, logs, gamma)
 
 
-def torque_evidence(case, gains, delta_m: float, form: robust.Loop) -> tuple[tuple[np.ndarray, np.ndarray], float]:
+def torque_evidence(
+    case: Case, gains: plant.Gains, delta_m: float, form: robust.Loop
+) -> tuple[tuple[np.ndarray, np.ndarray], float]:
     """P and multipliers of the torque condition, and the bound on the torque that they give, N m.
 
     The loop in coordinates in which a solution of the norm condition is the identity (`Loop.rescaled`): a multiple of
@@ -111,7 +116,7 @@ def back(form: robust.Loop, P: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, n
     return robust.original(form, {"P": P, **{f"d{i}": x for i, x in enumerate(d)}})
 
 
-def gather(case, gains, delta_m: float, one_matrix: bool = False) -> Evidence:
+def gather(case: Case, gains: plant.Gains, delta_m: float, one_matrix: bool = False) -> Evidence:
     """Solve all three conditions at a gain variation; raises ComputationError where one cannot be met.
 
     With ``one_matrix`` the disk is shown by one P and one D for the whole circle.
@@ -139,7 +144,9 @@ def _witness(part: str, P: np.ndarray, multipliers: np.ndarray) -> dict:
     return {f"{part}.P": (P + P.T) / 2} | {f"{part}.D{i}": [[float(x)]] for i, x in enumerate(multipliers, start=1)}
 
 
-def certificate(case, name: str, formulas, evidence: Evidence, *, quantity: str, statement: str) -> Certificate:
+def certificate(
+    case: Case, name: str, formulas: Formulas, evidence: Evidence, *, quantity: str, statement: str
+) -> Certificate:
     """All three requirements at evidence.delta_m, exactly; concludes quantity >= delta_m.
 
     Parameters
@@ -147,8 +154,7 @@ def certificate(case, name: str, formulas, evidence: Evidence, *, quantity: str,
     case : gainsay.tables.Case
     name, statement : str
         Of the certificate.
-    formulas : pairs
-        Formulas of Af, Bf, Cf.
+    formulas : Formulas
     evidence : Evidence
     quantity : str
     """

@@ -1,13 +1,19 @@
 """The full loop (6) with (8) in time: Table 1's start and disturbance, periodic or redrawn gains."""
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gainsay.simulation.periodic import Extreme, PeriodicSolution, held, with_oscillators
+from gainsay.tables import Case
 from papers.li2021 import plant
 
 ANGLES, RATES, MODES, CONTROLLER = slice(0, 3), slice(3, 6), slice(6, 10), slice(14, 20)
 #: delta_i of each choice of `inertia_case`; Delta J2 is printed negative
 INERTIAS = {"nominal": (0, 0, 0), "heavy": (1, -1, 1), "light": (-1, 1, -1)}
+#: how long the drawn factors of the gains are held, as `redrawn` has it, by reading of Figures 8 and 9
+HOLDS = {"constant": "constant", "fast": "0.1", "slow": "1"}
 
 
 class FlexibleLoop:
@@ -16,7 +22,7 @@ class FlexibleLoop:
     Parameters
     ----------
     case : gainsay.tables.Case
-    gains : namespace with A, B, C
+    gains : Gains
     amplitude : float, optional
         Of the common sine of all twelve gain channels; the paper's delta_m where left out.
     phase : float, optional
@@ -28,7 +34,13 @@ class FlexibleLoop:
     """
 
     def __init__(
-        self, case, gains, amplitude: float | None = None, phase: float | None = None, delta=None, modes=None
+        self,
+        case: Case,
+        gains: plant.Gains,
+        amplitude: float | None = None,
+        phase: float | None = None,
+        delta: Sequence[float] | None = None,
+        modes: float | None = None,
     ) -> None:
         self.k = plant.constants(case)
         self.gains, self.case = gains, case
@@ -50,7 +62,7 @@ class FlexibleLoop:
         """State matrix (20, 20) for twelve gain factors."""
         return plant.closed_loop(self.plant, self.gains, factors[:6], factors[6:9], factors[9:])
 
-    def variation(self, t):
+    def variation(self, t: ArrayLike) -> np.ndarray:
         """Common gain variation at time t (s)."""
         return self.amplitude * np.sin(self.rate * np.asarray(t) + self.phase)
 
@@ -71,11 +83,11 @@ class FlexibleLoop:
         period = 2 * np.pi / self.rate
         return PeriodicSolution(self, period, self.start(), round(self.case.number("horizon") / period), steps)
 
-    def torque(self, t, state: np.ndarray) -> np.ndarray:
+    def torque(self, t: ArrayLike, state: np.ndarray) -> np.ndarray:
         """Control torque C_Delta_f x_f at times and states, shape (..., 3), N m."""
         return (1 + self.variation(t))[..., None] * (state[..., CONTROLLER] @ self.gains.C.T)
 
-    def torque_size(self, t, state: np.ndarray):
+    def torque_size(self, t: ArrayLike, state: np.ndarray) -> np.ndarray:
         """Euclidean norm of the torque, N m."""
         return np.linalg.norm(self.torque(t, state), axis=-1)
 

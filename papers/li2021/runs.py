@@ -1,7 +1,6 @@
 """The runs of Section IV: printed and own controllers on the full model, with periodic and with redrawn gains."""
 
-from collections.abc import Callable, Mapping
-from types import SimpleNamespace
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -16,14 +15,18 @@ from gainsay.logs import (
     Line,
     Log,
     LogWriter,
+    Measure,
     Measured,
     Plot,
     Rows,
     RunSpec,
     Scene,
+    Simulate,
     Tab,
     Text,
+    measuring,
 )
+from gainsay.simulation.periodic import PeriodicSolution
 from gainsay.tables import Case
 from papers.li2021 import plant, response
 from papers.li2021.response import ANGLES, MODES, RATES, FlexibleLoop
@@ -41,29 +44,29 @@ NODE = 0.1
 SETTLED = 0.05
 
 
-def gains_of(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], name: str) -> SimpleNamespace:
+def gains_of(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], name: str) -> plant.Gains:
     """Gains of a controller by the name of its run."""
     if name in ("proposed", "comparison"):
         return plant.controller(case, name)
     return plant.gains_of(designs[name])
 
 
-def angle_size(t, state: np.ndarray):
+def angle_size(t: np.ndarray, state: np.ndarray) -> np.ndarray:
     """Largest modulus of the three angles, rad."""
     return np.abs(state[..., ANGLES]).max(axis=-1)
 
 
-def rate_size(t, state: np.ndarray):
+def rate_size(t: np.ndarray, state: np.ndarray) -> np.ndarray:
     """Largest modulus of the three Euler rates, rad/s."""
     return np.abs(state[..., RATES]).max(axis=-1)
 
 
-def mode_size(t, state: np.ndarray):
+def mode_size(t: np.ndarray, state: np.ndarray) -> np.ndarray:
     """Largest modulus of the modal coordinates, kg^0.5 m."""
     return np.abs(state[..., MODES]).max(axis=-1)
 
 
-def extremes(loop: FlexibleLoop, solution) -> dict[str, tuple[float, float, str]]:
+def extremes(loop: FlexibleLoop, solution: PeriodicSolution) -> dict[str, tuple[float, float, str]]:
     """Located numbers of a run: name -> (time, value, unit)."""
     torque = loop.peak(solution)
     first = float(np.abs(loop.start()[ANGLES]).max())
@@ -88,7 +91,7 @@ def extremes(loop: FlexibleLoop, solution) -> dict[str, tuple[float, float, str]
     }
 
 
-def sample(solution) -> tuple[np.ndarray, np.ndarray]:
+def sample(solution: PeriodicSolution) -> tuple[np.ndarray, np.ndarray]:
     """Thinned nodes of a solution for the log."""
     step = solution.step
     dense, sparse = max(1, round(DENSE / step)), max(1, round(SPARSE / step))
@@ -112,6 +115,13 @@ def quaternions(angles: np.ndarray) -> np.ndarray:
     )
 
 
+def _panel(side: float, tip: tuple[float, ...]) -> Appendage:
+    """Panel along plus or minus y; tip says how it bends with each modal coordinate."""
+    return Appendage(
+        root=(0.0, 0.3 * side, 0.0), along=(0.0, side, 0.0), normal=(1.0, 0.0, 0.0), length=1.6, width=0.5, tip=tip
+    )
+
+
 def record(
     case: Case, loop: FlexibleLoop, time: np.ndarray, states: np.ndarray, torque: np.ndarray, log: LogWriter
 ) -> None:
@@ -123,10 +133,8 @@ def record(
     log.signal("/modes/coordinates", MODE_FIELDS, time, states[:, MODES])
     log.bound("torque", "N m", lower=-case.number("u_max"), upper=case.number("u_max"))
     log.transform("lvlh", "body", time, np.zeros((len(time), 3)), quaternions(states[:, ANGLES]))
-    panel = {"normal": (1.0, 0.0, 0.0), "length": 1.6, "width": 0.5}
     log.body("satellite", "body", Body((0.6, 0.6, 0.6), appendages=(
-        Appendage(root=(0.0, 0.3, 0.0), along=(0.0, 1.0, 0.0), tip=(1.0, 0.0, 1.0, 0.0), **panel),
-        Appendage(root=(0.0, -0.3, 0.0), along=(0.0, -1.0, 0.0), tip=(0.0, 1.0, 0.0, 1.0), **panel),
+        _panel(1.0, tip=(1.0, 0.0, 1.0, 0.0)), _panel(-1.0, tip=(0.0, 1.0, 0.0, 1.0)),
     )), time=time, modal=states[:, MODES])  # fmt: skip
     # The largest torque of the run is drawn 1 m long.
     log.arrows("torque", "body", time, torque, 1.0 / max(np.linalg.norm(torque, axis=1).max(), 1e-12), "thrust")
@@ -134,7 +142,7 @@ def record(
     log.axes("body", 1.0, labels=("roll", "pitch", "yaw"))
 
 
-def periodic(name: str) -> Callable[..., None]:
+def periodic(name: str) -> Simulate:
     """Simulation of Table 1's case: one common sine in all twelve gain channels."""
 
     def simulate(case: Case, designs: Mapping, log: LogWriter) -> None:
@@ -152,7 +160,7 @@ def periodic(name: str) -> Callable[..., None]:
     return simulate
 
 
-def drawn(name: str, hold: str) -> Callable[..., None]:
+def drawn(name: str, hold: str) -> Simulate:
     """Simulation with twelve factors 1 + U(0, 1), drawn once or redrawn and held; the first draw of the campaign."""
 
     def simulate(case: Case, designs: Mapping, log: LogWriter) -> None:
@@ -174,30 +182,18 @@ def drawn(name: str, hold: str) -> Callable[..., None]:
     return simulate
 
 
-def measure(prefix: str, wanted: Mapping[str, str]) -> Callable[[Case, Log], dict[str, Measured]]:
+def measure(name: str, *more: str) -> Measure:
     """Return the function that reads a run's quantities from its log, banded by a second step size."""
-
-    def measured(case: Case, log: Log) -> dict[str, Measured]:
-        found = {}
-        for key, quantity in wanted.items():
-            _, value, other = log.extremes[key]
-            band = 2 * abs(value - other)
-            method = f"Magnus maps, {STEPS} steps a period, continuous time; band: twice the change at half the step"
-            found[f"{prefix}.{quantity}"] = Measured(value, method, value - band, value + band)
-        return found
-
-    return measured
+    method = f"Magnus maps, {STEPS} steps a period, continuous time; band: twice the change at half the step"
+    return measuring(f"audit.{name}", (*ALL, *more), method, times=2)
 
 
-ALL = {
-    key: key
-    for key in (
-        "peak_torque", "first_angle", "residual_angle", "first_rate", "residual_rate", "settling_time", "peak_mode",
-        "residual_mode",
-    )
-}  # fmt: skip
-
-SHARES = {key: key for key in ("angle_share", "rate_share", "mode_share")}
+ALL = (
+    "peak_torque", "first_angle", "residual_angle", "first_rate", "residual_rate", "settling_time", "peak_mode",
+    "residual_mode",
+)  # fmt: skip
+#: what is left at the end of the largest value, which the paper speaks of for its own gains alone
+SHARES = ("angle_share", "rate_share", "mode_share")
 
 
 def nothing(case: Case, log: Log) -> dict[str, Measured]:
@@ -205,27 +201,15 @@ def nothing(case: Case, log: Log) -> dict[str, Measured]:
     return {}
 
 
-ABOUTS = {
-    "proposed": "printed proposed gains, full model, Table 1",
-    "comparison": "printed gains of [39], full model, Table 1",
-    "repaired": "our repaired gains, full model, Table 1",
-    "best": "our gains for the largest gain variation, full model, Table 1",
-}
+PERIODIC = ("proposed", "comparison", "repaired", "best")
 RUNS = (
-    *(
-        RunSpec(name, periodic(name), measure(f"audit.{name}", ALL | SHARES if name == "proposed" else ALL))
-        for name, about in ABOUTS.items()
-    ),
+    *(RunSpec(name, periodic(name), measure(name, *(SHARES if name == "proposed" else ()))) for name in PERIODIC),
     *(
         RunSpec(f"{name}_{reading}", drawn(name, hold), nothing)
         for name in ("proposed", "comparison", "repaired")
-        for reading, hold, text in (
-            ("constant", "constant", "drawn once"), ("slow", "1", "redrawn every second"),
-            ("fast", "0.1", "redrawn every 0.1 s"),
-        )
+        for reading, hold in response.HOLDS.items()
     ),
-)  # fmt: skip
-PERIODIC = tuple(ABOUTS)
+)
 
 ABOUT = """# Attitude of a flexible microsatellite, Li 2021
 
@@ -241,7 +225,7 @@ none), and the control torque as an arrow.
 """
 
 
-def _three(topic: str, fields) -> tuple[Line, ...]:
+def _three(topic: str, fields: Iterable[str]) -> tuple[Line, ...]:
     return tuple(Line(topic, field, field, f"axis_{i}") for i, field in enumerate(fields, start=1))
 
 

@@ -7,7 +7,7 @@ and from the best narrower point, and keeping the best that meets its wish: more
 
 from collections.abc import Mapping
 from functools import partial
-from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -43,7 +43,19 @@ INSIDE = 0.997
 BAND = 1e-3
 
 
-def limits(case: Case, gains: SimpleNamespace) -> SimpleNamespace:
+class Limits(NamedTuple):
+    """Gain variations up to which disk (constant) and norm hold."""
+
+    disk: float
+    norm: float
+
+    @property
+    def both(self) -> float:
+        """The smaller of the two."""
+        return min(self.disk, self.norm)
+
+
+def limits(case: Case, gains: plant.Gains) -> Limits:
     """Gain variations up to which disk (constant) and norm hold, in floating point."""
     k, gamma = plant.constants(case), case.number("gamma") * 0.9995
 
@@ -52,10 +64,10 @@ def limits(case: Case, gains: SimpleNamespace) -> SimpleNamespace:
 
     disk, _ = arcs.largest_delta(form, case.number("disk_centre"), case.number("disk_radius"), 0.005, 0.4)
     norm = brentq(lambda delta: robust.norm_scaling(form(delta), gamma)[0] - 1, 0.005, 0.4, xtol=1e-5)
-    return SimpleNamespace(disk=disk, norm=float(norm), both=min(disk, float(norm)))
+    return Limits(disk, float(norm))
 
 
-def limit_of_one_matrix(case: Case, gains: SimpleNamespace, high: float) -> float:
+def limit_of_one_matrix(case: Case, gains: plant.Gains, high: float) -> float:
     """Gain variation, at most high, up to which one scaling does for the whole circle, in floating point."""
     circle = -case.number("disk_centre") + case.number("disk_radius") * np.exp(1j * np.linspace(0, np.pi, 181))
 
@@ -66,17 +78,17 @@ def limit_of_one_matrix(case: Case, gains: SimpleNamespace, high: float) -> floa
     return float(brentq(shared, 0.002, high, xtol=1e-5))
 
 
-def inside(found: SimpleNamespace) -> float:
+def inside(found: Limits) -> float:
     """Gain variation just inside both limits."""
     return min(ROOM * found.disk, ROOM_OF_NORM * found.norm)
 
 
-def point_level(found: SimpleNamespace) -> dict[str, np.ndarray]:
+def point_level(found: Limits) -> dict[str, np.ndarray]:
     """Level at which a point of the trade-off is to be certified, by arcs."""
     return {"level": np.array([[float(f"{ROOM_OF_POINTS * found.both:.4g}")]])}
 
 
-def levels(case: Case, gains: SimpleNamespace, found: SimpleNamespace) -> dict[str, np.ndarray]:
+def levels(case: Case, gains: plant.Gains, found: Limits) -> dict[str, np.ndarray]:
     """Levels at which the requirements are to be certified: by arcs, and with one quadratic function for the disk."""
     single = min(limit_of_one_matrix(case, gains, found.disk), found.both)
     return {
@@ -85,7 +97,7 @@ def levels(case: Case, gains: SimpleNamespace, found: SimpleNamespace) -> dict[s
     }
 
 
-def measures(case: Case, gains: SimpleNamespace) -> dict[str, float]:
+def measures(case: Case, gains: plant.Gains) -> dict[str, float]:
     """Static gain, norm and disk radius of (10), and the abscissa of the flexible loop."""
     nominal = plant.rigid(plant.constants(case))
     loop, B, C = plant.closed_loop(nominal, gains), np.vstack([nominal.B, np.zeros((6, 3))]), np.eye(3, 12)
@@ -98,7 +110,7 @@ def measures(case: Case, gains: SimpleNamespace) -> dict[str, float]:
     }
 
 
-def improved(case: Case, gains: SimpleNamespace, wishes: design.Wishes) -> design.Improved:
+def improved(case: Case, gains: plant.Gains, wishes: design.Wishes) -> design.Improved:
     """Gains of `searches_smooth.improve`, rounded to the digits of the design."""
     disk = (case.number("disk_centre"), case.number("disk_radius"))
     k = plant.constants(case)
@@ -109,7 +121,17 @@ def improved(case: Case, gains: SimpleNamespace, wishes: design.Wishes) -> desig
     )
 
 
-def _found(case: Case, gains, found, level, *, asked: str, method: str, converged: bool, effort) -> FoundDesign:
+def _found(
+    case: Case,
+    gains: plant.Gains,
+    found: Limits,
+    level: Mapping[str, np.ndarray],
+    *,
+    asked: str,
+    method: str,
+    converged: bool,
+    effort: Mapping[str, int],
+) -> FoundDesign:
     return FoundDesign(
         asked=asked,
         method=method,
@@ -139,7 +161,7 @@ def repaired(case: Case) -> FoundDesign:
     )  # fmt: skip
 
 
-def _meets(case: Case, gains: SimpleNamespace, wish: Mapping[str, float]) -> bool:
+def _meets(case: Case, gains: plant.Gains, wish: Mapping[str, float]) -> bool:
     found = measures(case, gains)
     return all(found[name] <= bound for name, bound in wish.items())
 
@@ -156,7 +178,7 @@ def tradeoff(case: Case, name: str) -> FoundDesign:
         widest = max(narrower, key=lambda other: case.designs[other]["level"][0, 0])
         starts[widest] = plant.gains_of(case.designs[widest])
     asked = {key: INSIDE * bound for key, bound in wish.items()}
-    candidates: list[tuple[float, SimpleNamespace, SimpleNamespace, bool]] = []
+    candidates: list[tuple[float, plant.Gains, Limits, bool]] = []
     iterations = evaluations = 0
     for start, gains in starts.items():
         if start != "the printed gains":

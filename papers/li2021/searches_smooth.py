@@ -6,8 +6,8 @@ included) are minimised by a quasi-Newton method; poles, static gain, torque and
 one-sided penalties. What comes out is only a candidate: the certificates are made and checked afterwards.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 from scipy.linalg import expm
@@ -55,14 +55,33 @@ class Wishes:
     drawn_abscissa: float | None = None
 
 
-def pack(gains) -> np.ndarray:
+@dataclass(eq=False)
+class Pull:
+    """Derivatives of the objective by the matrices of the linear fractional form, summed up in place."""
+
+    A: np.ndarray
+    H: np.ndarray
+    Cz: np.ndarray
+    Dw: np.ndarray
+
+
+@dataclass(eq=False)
+class Direct:
+    """Derivatives of the objective by the gains themselves, summed up in place."""
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+
+
+def pack(gains: plant.Gains | Direct) -> np.ndarray:
     """The 72 entries of A_f, B_f, C_f."""
     return np.concatenate([np.ravel(gains.A), np.ravel(gains.B), np.ravel(gains.C)])
 
 
-def unpack(x: np.ndarray) -> SimpleNamespace:
+def unpack(x: np.ndarray) -> plant.Gains:
     """Gains from their 72 entries."""
-    return SimpleNamespace(A=x[:36].reshape(6, 6), B=x[36:54].reshape(6, 3), C=x[54:72].reshape(3, 6))
+    return plant.Gains(A=x[:36].reshape(6, 6), B=x[36:54].reshape(6, 3), C=x[54:72].reshape(3, 6))
 
 
 class Objective:
@@ -86,11 +105,11 @@ class Objective:
 
     def __init__(
         self,
-        k,
+        k: plant.Constants[float],
         wishes: Wishes,
         disk: tuple[float, float],
-        start,
-        constant=(0, 0, 0),
+        start: np.ndarray,
+        constant: Sequence[float] | np.ndarray = (0, 0, 0),
         nodes: int = 26,
         power: float = 14,
     ) -> None:
@@ -105,7 +124,7 @@ class Objective:
         self.sets = [(circle, True, False)] + ([(axis, False, True)] if wishes.gamma else [])
         self.lift = np.hstack([np.zeros((3, 3)), np.diag(np.abs(k.envelope).astype(float)), np.zeros((3, 6))])
 
-    def scalings(self, gains) -> np.ndarray:
+    def scalings(self, gains: plant.Gains) -> np.ndarray:
         """Starting values for the logarithms of the scalings."""
         form, parts, x = loop(self.k, gains, self.wishes.delta_m), [], None
         for z in self.sets[0][0]:
@@ -122,8 +141,8 @@ class Objective:
         radius = np.abs(np.linalg.eigvals(form.A) + self.a).max()
         if radius >= self.b:
             return 1e3 * (1 + radius), np.zeros_like(x)
-        pull = SimpleNamespace(A=np.zeros((12, 12)), H=np.zeros((12, 27)), Cz=np.zeros((27, 12)), Dw=np.zeros((27, 27)))
-        direct = SimpleNamespace(A=np.zeros((6, 6)), B=np.zeros((6, 3)), C=np.zeros((3, 6)))
+        pull = Pull(A=np.zeros((12, 12)), H=np.zeros((12, 27)), Cz=np.zeros((27, 12)), Dw=np.zeros((27, 27)))
+        direct = Direct(A=np.zeros((6, 6)), B=np.zeros((6, 3)), C=np.zeros((3, 6)))
         slopes = np.zeros_like(logs)
         values, first = [], 0
         for points, own, performance in self.sets:
@@ -141,7 +160,9 @@ class Objective:
         direct.C += self.rigid.B.T @ pull.A[:6, 6:] + self.wishes.delta_m * pull.Cz[9:12, 6:]
         return total, np.concatenate([pack(direct), slopes.ravel()])
 
-    def _set(self, form: Loop, points, logs, performance: bool, pull, slopes) -> float:
+    def _set(
+        self, form: Loop, points: np.ndarray, logs: np.ndarray, performance: bool, pull: Pull, slopes: np.ndarray
+    ) -> float:
         H, Cz, D = form.H, form.Cz, form.Dw
         e = np.exp(logs[:, OF_CHANNEL])
         if performance:
@@ -170,7 +191,7 @@ class Objective:
         pull.Dw += np.real(slope).sum(0)[:27, :27]
         return float(total)
 
-    def _nominal(self, form: Loop, pull) -> float:
+    def _nominal(self, form: Loop, pull: Pull) -> float:
         total = 0.0
         if self.wishes.static_gain is not None:
             X, Y = np.linalg.solve(form.A, form.B), np.linalg.solve(form.A.T, form.C.T)
@@ -203,7 +224,7 @@ class Objective:
                     pull.A += 200 * excess / distance * np.real(np.conj(value + self.a) * np.outer(left.conj(), right))
         return total
 
-    def _flexible(self, gains, direct) -> float:
+    def _flexible(self, gains: plant.Gains, direct: Direct) -> float:
         total = 0.0
         if self.wishes.abscissa_flexible is not None:
             m = len(self.flexible.A)
@@ -218,7 +239,7 @@ class Objective:
             direct.C += self.flexible.B.T @ slope[:m, m:]
         return total
 
-    def _drawn(self, gains, direct) -> float:
+    def _drawn(self, gains: plant.Gains, direct: Direct) -> float:
         if self.wishes.drawn_abscissa is None:
             return 0.0
         total, count = 0.0, len(self.draws)
@@ -234,7 +255,9 @@ class Objective:
                     direct.C += fc[:, None] * (self.rigid.B.T @ slope[:6, 6:])
         return total
 
-    def _torque(self, form: Loop, gains, pull, direct, step: float = 0.05, count: int = 400) -> float:
+    def _torque(
+        self, form: Loop, gains: plant.Gains, pull: Pull, direct: Direct, step: float = 0.05, count: int = 400
+    ) -> float:
         if self.wishes.torque is None:
             return 0.0
         phi = expm(form.A * step)
@@ -258,7 +281,7 @@ class Objective:
         return float(3000 * step * np.sum(excess**2))
 
 
-def _eigen(A: np.ndarray):
+def _eigen(A: np.ndarray) -> list[tuple[complex, np.ndarray, np.ndarray]]:
     values, right = np.linalg.eig(A)
     left = np.linalg.inv(right).conj().T
     return [(values[j], left[:, j], right[:, j]) for j in range(len(values))]
@@ -270,20 +293,29 @@ class Improved:
 
     Attributes
     ----------
-    gains : namespace with A, B, C
+    gains : Gains
     converged : bool
         Whether the last minimisation met its own stopping criterion, and not a limit on its effort.
     iterations, evaluations : int
         Of all minimisations.
     """
 
-    gains: SimpleNamespace
+    gains: plant.Gains
     converged: bool
     iterations: int
     evaluations: int
 
 
-def improve(k, gains, wishes: Wishes, disk, start, constant, rounds: int = 2, iterations: int = 3000) -> Improved:
+def improve(
+    k: plant.Constants[float],
+    gains: plant.Gains,
+    wishes: Wishes,
+    disk: tuple[float, float],
+    start: np.ndarray,
+    constant: np.ndarray,
+    rounds: int = 2,
+    iterations: int = 3000,
+) -> Improved:
     """Gains that meet the wishes better, from given ones inside the disk.
 
     Raises
@@ -299,7 +331,7 @@ def improve(k, gains, wishes: Wishes, disk, start, constant, rounds: int = 2, it
         if not np.isfinite(objective(x)[0]):
             raise ComputationError("design", "the objective is no number at the given gains")
 
-        def scaled(y, unit=unit):
+        def scaled(y: np.ndarray, unit: np.ndarray = unit) -> tuple[float, np.ndarray]:
             value, slope = objective(y * unit)
             return value, slope * unit
 

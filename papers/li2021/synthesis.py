@@ -78,7 +78,7 @@ def theorem2(case: Case, results: Results) -> None:
 def theorem1(case: Case, results: Results) -> None:
     """Theorem 1 at Table 1's scalars, in both readings of eps2."""
     for divided, quantity in ((False, "eq13.feasible"), (True, "eq13.feasible_divided")):
-        stated = Stated(case, [linear_13(divided).defining(**TABLES) <= 0], label="(13)")
+        stated = Stated(case, [linear_13(divided).defining(TABLES) <= 0], label="(13)")
         reading = "dividing psi_4 and psi_5" if divided else "multiplying psi_3"
         decided(
             results, quantity, stated, id="eq13-infeasible-divided" if divided else "eq13-infeasible",
@@ -174,7 +174,9 @@ def printed_gains(case: Case, results: Results) -> None:
     results.say("(12), printed gains", f"no P at lambda = 1; least gamma {gamma:.6f} at lambda = 3")
 
 
-def certify_levels(case: Case, results: Results, name: str, gains, formulas, found: Design) -> None:
+def certify_levels(
+    case: Case, results: Results, name: str, gains: plant.Gains, formulas: certify.Formulas, found: Design
+) -> None:
     """Prove all three requirements at the levels of a search: by arcs, and with one matrix for the disk."""
     quantity = f"certified.{name}.delta_m"
     level, alone = (float(found[entry][0, 0]) for entry in ("level", "level_quadratic"))

@@ -6,9 +6,10 @@ import numpy as np
 
 from gainsay.lmi import Solved
 from gainsay.proof import build
-from gainsay.results import task
+from gainsay.results import Results, task
 from gainsay.statements import Stated, differing, identical, read_constraint, symmetric
 from gainsay.systems.spectrum import spectral_abscissa
+from gainsay.tables import Case
 from papers.pinheiro2013 import proofs, statements
 from papers.pinheiro2013.plant import RECONSTRUCTIONS, generalized_plant, linear_model, reconstruction
 from papers.pinheiro2013.scans import SCANS
@@ -30,7 +31,7 @@ LINEAR_RATE = "[[e*dphi - n*e*psi], [e*dtheta - n], [e*dpsi + n*e*phi]]"
 
 
 @task("(1) to (8)")
-def kinematics(case, results):
+def kinematics(case: Case, results: Results) -> None:
     """Prove the rotation, the rates and the linearisations."""
     trigonometry = "cf sf ct st cp sp"
     results.prove(
@@ -143,7 +144,7 @@ def kinematics(case, results):
 
 
 @task("(13) to (18)")
-def transformations(case, results):
+def transformations(case: Case, results: Results) -> None:
     """Prove or refute the linear fractional transformations of one block each, and (18); v stands for 1/I."""
     names, exact = "I v p d", "(I + p*d)"
     relation, point = ["I*v - 1"], {"I": "2", "v": "1/2", "p": "1/2", "d": "1"}
@@ -248,7 +249,7 @@ def transformations(case, results):
 
 
 @task("robustness over the inertia")
-def robustness(case, results):
+def robustness(case: Case, results: Results) -> None:
     """Prove stability over all 10 % changes of the three moments at once by one Lyapunov matrix a design."""
     share = case.number("inertia_change")
     corners = [share * np.array([a, b, c]) for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)]
@@ -280,13 +281,13 @@ def robustness(case, results):
 
 
 @task("small gain")
-def small_gain(case, results):
+def small_gain(case: Case, results: Results) -> None:
     """Prove the designs of gamma = 0.2 stable for every change that a norm below 1/gamma of the uncertainty allows.
 
     At gamma = 2 and 100 these are changes within 5 % and 0.1 %, which the proof over 10 % holds.
     """
     most = case.number("inertia_change") / case.number("gamma_min")
-    delta = [np.array(signs) / case.number("gamma_min") for signs in product((-1, 1), repeat=3)]
+    delta = [[sign / case.number("gamma_min") for sign in signs] for signs in product((-1, 1), repeat=3)]
     for name in RECONSTRUCTIONS:
         for group in SEPARATE:
             with results.apart():
@@ -304,7 +305,18 @@ def small_gain(case, results):
     results.say("small gain", f"stability for changes up to {100 * most:g} % certified for four loops")
 
 
-def _certify_vertices(case, results, id, quantity, design, group, worst, *, within, **definitions) -> None:
+def _certify_vertices(
+    case: Case,
+    results: Results,
+    id: str,
+    quantity: str,
+    design: str,
+    group: str,
+    worst: float,
+    *,
+    within: str,
+    **definitions: str,
+) -> None:
     """Prove a spectral abscissa over the whole box by one Lyapunov matrix at its vertices."""
     texts = statements.vertices(group)
     definitions = {**statements.inputs(design[0]), **definitions, "K": f"design('{design}', 'K_{group}')"}

@@ -15,7 +15,7 @@ Y. Sun, M. Fazel, "Learning optimal controllers by policy gradient: global optim
 Conference on Decision and Control, 2021: stationary points of problems that are convex in other variables.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -64,7 +64,7 @@ class Stack:
     R: np.ndarray
     limit: np.ndarray
 
-    def __getitem__(self, chosen) -> "Stack":
+    def __getitem__(self, chosen: np.ndarray) -> "Stack":
         return replace(self, **{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
 
@@ -77,14 +77,16 @@ def stack(plants: Sequence[GeneralizedPlant], levels: Sequence[float], limits: S
         If a level does not exceed the norm of D11, below which no gain goes.
     """
 
-    def each(measure) -> np.ndarray:
+    def each(measure: Callable[[GeneralizedPlant], np.ndarray]) -> np.ndarray:
         return np.array([measure(plant) for plant in plants])
 
     DD = each(lambda p: p.D11 @ p.D11.T)
     R = np.array(levels)[:, None, None] ** 2 * np.eye(DD.shape[-1]) - DD
     least = np.linalg.eigvalsh(R)[:, 0]
     if not least.min() > 0:
-        raise InputError("level", field="gamma", value=float(levels[least.argmin()]), expected="above the norm of D11")
+        raise InputError(
+            "level", field="gamma", value=float(levels[int(least.argmin())]), expected="above the norm of D11"
+        )
     return Stack(
         each(lambda p: p.A), each(lambda p: p.B2), each(lambda p: p.C1), each(lambda p: p.D12), each(lambda p: p.C2),
         each(lambda p: p.D22), each(lambda p: p.B1 @ p.B1.T), each(lambda p: p.B1 @ p.D11.T), R, np.array(limits),

@@ -6,10 +6,12 @@ nominal plant; dashed: plants with uncertainty. Axes and scales of the paper's p
 
 from collections.abc import Mapping
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gainsay.figures import FigureSpec, bound, finish, panels
-from gainsay.logs import Log
+from gainsay.figures import Draw, FigureSpec, bound, finish, panels
+from gainsay.logs import Log, Signal
+from gainsay.tables import Case
 
 COLOURS = {"hinf": "#0055a4", "mixed": "#1f1f1f", "h2": "#c0261b"}
 LABELS = {
@@ -20,7 +22,7 @@ LABELS = {
 NAMES = {"roll": "x", "pitch": "y", "yaw": "z"}
 
 
-def _curve(panel, signal, field: str, design: str, *, dashed: bool = False, label: str = "") -> None:
+def _curve(panel: Axes, signal: Signal, field: str, design: str, *, dashed: bool = False, label: str = "") -> None:
     panel.plot(
         signal.time, signal.column(field), color=COLOURS[design], linewidth=0.8 if dashed else 1.2,
         linestyle=(0, (4, 2)) if dashed else "solid", label=label or None,
@@ -31,10 +33,10 @@ def _panels(figure: Figure, label: str) -> list:
     return panels(figure, [label] * 2, titles=[f"reconstruction {r}" for r in "AB"], columns=2)
 
 
-def uncertainty(name: str, designs: tuple[str, ...]):
+def uncertainty(name: str, designs: tuple[str, ...]) -> Draw:
     """Return the drawing of an angle with and without uncertainty, one panel a reconstruction."""
 
-    def draw(figure: Figure, logs: Mapping[str, Log], case) -> None:
+    def draw(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         grid = _panels(figure, f"{name} angle [deg]")
         for panel, r in zip(grid, "ab", strict=True):
             for design in designs:
@@ -48,10 +50,10 @@ def uncertainty(name: str, designs: tuple[str, ...]):
     return draw
 
 
-def control(name: str):
+def control(name: str) -> Draw:
     """Return the drawing of a control torque, one panel a reconstruction, with the wheel's limit."""
 
-    def draw(figure: Figure, logs: Mapping[str, Log], case) -> None:
+    def draw(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         grid = _panels(figure, f"control torque, {name} [N m]")
         limit = case.number("wheel_torque")
         for panel, r in zip(grid, "ab", strict=True):
@@ -65,10 +67,10 @@ def control(name: str):
     return draw
 
 
-def external(name: str):
+def external(name: str) -> Draw:
     """Return the drawing of an angle under the torques (25), one panel a reconstruction."""
 
-    def draw(figure: Figure, logs: Mapping[str, Log], case) -> None:
+    def draw(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         grid = _panels(figure, f"{name} angle [deg]")
         for panel, r in zip(grid, "ab", strict=True):
             for design in ("h2", "mixed", "hinf"):

@@ -11,6 +11,7 @@ import numpy as np
 
 from gainsay.errors import InputError
 from gainsay.systems.lft import Lft
+from gainsay.tables import Case
 
 AXES = ("x", "y", "z")
 #: groups of axes that (8) leaves coupled, with their angles
@@ -55,10 +56,11 @@ class Satellite:
 
     def changed(self, shares: Iterable[float]) -> "Satellite":
         """Return the satellite with its moments multiplied by one plus the shares given for x, y, z."""
-        return replace(self, inertia=tuple(m * (1 + s) for m, s in zip(self.inertia, shares, strict=True)))
+        x, y, z = (m * (1 + s) for m, s in zip(self.inertia, shares, strict=True))
+        return replace(self, inertia=(x, y, z))
 
 
-def reconstruction(case, name: str) -> Satellite:
+def reconstruction(case: Case, name: str) -> Satellite:
     """Reconstruction A or B of the inputs that the paper leaves out.
 
     Parameters
@@ -68,18 +70,16 @@ def reconstruction(case, name: str) -> Satellite:
     """
     if name not in RECONSTRUCTIONS:
         raise InputError("reconstruction", value=name, expected=" or ".join(RECONSTRUCTIONS))
-    return Satellite(
-        tuple(case.number(f"inertia_{name}_{axis}") for axis in AXES),
-        case.number("orbital_rate"),
-        case.number("inertia_change"),
-        tuple(case.number(f"{what}_weight") for what in ("angle", "rate", "control")),
-    )
+    x, y, z = (case.number(f"inertia_{name}_{axis}") for axis in AXES)
+    angle, rate, control = (case.number(f"{what}_weight") for what in ("angle", "rate", "control"))
+    return Satellite((x, y, z), case.number("orbital_rate"), case.number("inertia_change"), (angle, rate, control))
 
 
-def perturbed(case, satellite: Satellite, group: str) -> tuple[Satellite, Satellite]:
+def perturbed(case: Case, satellite: Satellite, group: str) -> tuple[Satellite, Satellite]:
     """Plants with uncertainty 1 and 2 of list (i) for pitch, of list (ii) for roll and yaw."""
     shares = 0.01 * case.matrix("pitch_changes" if group == "pitch" else "roll_yaw_changes")
-    return tuple(satellite.changed(row) for row in shares)
+    first, second = (satellite.changed(row) for row in shares)
+    return first, second
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def inverse_moment(moment: float, change: float) -> Lft:
 
     Erratum `eq14-sign`.
     """
-    return Lft(-change / moment, 1 / moment, -change / moment, 1 / moment)
+    return Lft.split([[-change / moment, 1 / moment], [-change / moment, 1 / moment]], 1, 1)
 
 
 def product_block(term: Product, moment: float, change: float) -> Lft:
@@ -129,7 +129,7 @@ def product_block(term: Product, moment: float, change: float) -> Lft:
 
     Its output is subtracted from the torque, as in Figure 2.
     """
-    return Lft(0.0, -term.sign, term.coefficient * change, -term.sign * term.coefficient * moment)
+    return Lft.split([[0.0, -term.sign], [term.coefficient * change, -term.sign * term.coefficient * moment]], 1, 1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,8 +4,9 @@ import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
 
 from gainsay.proof import build
-from gainsay.results import task
+from gainsay.results import Results, task
 from gainsay.systems.norms import bounded_real_certificate_matrix
+from gainsay.tables import Case
 from papers.pinheiro2013 import conditions_pitch as pitch
 from papers.pinheiro2013 import statements
 from papers.pinheiro2013.plant import generalized_plant, reconstruction
@@ -16,14 +17,14 @@ _BELOW = 0.999
 _ROOM = 1e-5
 
 
-def between(case, name: str) -> str:
+def between(case: Case, name: str) -> str:
     """Formula of every plausible value of a number that the paper leaves out."""
     low, _, high = case.parameters[name].plausible.partition("..")
     return f"interval({low}, {high})"
 
 
 @task("gamma_min without d")
-def without_disturbance(case, results):
+def without_disturbance(case: Case, results: Results) -> None:
     """Prove that the printed gamma_min excludes a w without d: the norm of D11 is then about the 10 % of the moments.
 
     A row of D11 holds the share itself, two products with n^2 (pitch), or three with n and two with n^2 (roll and yaw),
@@ -50,7 +51,7 @@ def without_disturbance(case, results):
 
 
 @task("pitch over all plausible inputs")
-def pitch_stays_stable(case, results):
+def pitch_stays_stable(case: Case, results: Results) -> None:
     """Prove that a pitch gain that meets gamma = 100 stays stable for all 10 % changes, whatever the missing inputs.
 
     Under a steady w the angle is |r| w/k1 and z_inf holds it twice, so that a level gamma needs k1 >= sqrt 2 |r|/gamma,
@@ -76,7 +77,7 @@ def pitch_stays_stable(case, results):
 
 
 @task("(20) against (21)")
-def not_equivalent(case, results):
+def not_equivalent(case: Case, results: Results) -> None:
     """Prove that the gain of (21) at gamma = 2, pitch, B, has a larger H2 norm than another that meets the level."""
     plant, gamma = generalized_plant(reconstruction(case, "b"), "pitch"), case.number("gamma_mixed")
     digits = [f"{k:.4g}" for k in pitch.true_optimum(plant, _BELOW * gamma)[0][0]]

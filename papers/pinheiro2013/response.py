@@ -4,15 +4,17 @@ Linear responses are matrix exponentials; the torques of (25) are states of thei
 The state is (phi, theta, psi) and the rates of these angles; the control is u = -K x.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gainsay.dynamics import attitude
 from gainsay.simulation.linear import Peak, Response, with_harmonics
 from gainsay.simulation.ode import Trajectory, integrate
+from gainsay.tables import Case
 from papers.pinheiro2013.plant import GROUPS, Satellite, linear_model
 
 #: time constants after which a mode has died out, and the step over a mode's own time
@@ -41,14 +43,14 @@ class Disturbance:
     end: float
     harmonics: int
 
-    def torque(self, time, n: float):
+    def torque(self, time: ArrayLike, n: float) -> np.ndarray:
         """Torque at a time or many, N m."""
         time = np.asarray(time, dtype=float)
         waves = sum(np.sin(k * n * time) for k in range(1, self.harmonics + 1))
         return self.amplitude * waves + self.step * ((time >= self.start) & (time < self.end))
 
 
-def disturbance(case, harmonics: int | None = None) -> Disturbance:
+def disturbance(case: Case, harmonics: int | None = None) -> Disturbance:
     """Read (25) from the tables."""
     return Disturbance(
         case.number("sine_amplitude"), case.number("step_amplitude"), case.number("step_start"),
@@ -56,7 +58,7 @@ def disturbance(case, harmonics: int | None = None) -> Disturbance:
     )  # fmt: skip
 
 
-def release_state(case, axes: Sequence[str] = GROUPS["all"]) -> np.ndarray:
+def release_state(case: Case, axes: Sequence[str] = GROUPS["all"]) -> np.ndarray:
     """Start (24) for the given axes, with 0.6 in the unit assumed: angles, then their rates."""
     index = ["xyz".index(axis) for axis in axes]
     factor = np.pi / 180 if case.choice("rate_unit") == "deg/s" else 1.0
@@ -154,7 +156,17 @@ class Disturbed:
         Whether to sample every mode of the loop after each switching time, as `stages` does.
     """
 
-    def __init__(self, satellite, group, K, torque, end, axes=None, step=1.0, fine=False) -> None:
+    def __init__(
+        self,
+        satellite: Satellite,
+        group: str,
+        K: np.ndarray,
+        torque: Disturbance,
+        end: float,
+        axes: np.ndarray | None = None,
+        step: float = 1.0,
+        fine: bool = False,
+    ) -> None:
         _, B = linear_model(satellite, group)
         acting = np.ones(B.shape[1]) if axes is None else np.asarray(axes, dtype=float)
         A, shape = loop_matrix(satellite, group, K), B @ acting
@@ -183,7 +195,7 @@ class Disturbed:
         states = [r.states[: -1 if last else None, : self.size] for _, r, last in self._marked()]
         return np.concatenate(times), np.concatenate(states)
 
-    def _marked(self):
+    def _marked(self) -> list[tuple[float, Response, bool]]:
         return [(begin, r, i + 1 < len(self.pieces)) for i, (begin, r) in enumerate(self.pieces)]
 
     def peak(self, output: np.ndarray) -> Peak:
@@ -252,7 +264,7 @@ def nonlinear(
     return integrate(slope, begin, end, rtol=rtol, atol=1e-13, kinks=kinks, method=method)
 
 
-def _kink(control, axis: int, level: float):
+def _kink(control: Callable[[np.ndarray], np.ndarray], axis: int, level: float) -> Callable[[float, np.ndarray], float]:
     return lambda t, x: control(x)[axis] - level
 
 

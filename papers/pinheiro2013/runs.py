@@ -1,6 +1,6 @@
 """Runs of pinheiro2013: release at 0.6 deg/s and the torques (25), three designs, two reconstructions, every plant."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -14,16 +14,20 @@ from gainsay.logs import (
     Line,
     Log,
     LogWriter,
+    Measure,
     Measured,
     Plot,
     Rows,
     RunSpec,
     Scene,
+    Simulate,
     Tab,
     Text,
+    located,
 )
 from gainsay.simulation.linear import Response
 from gainsay.simulation.ode import integrate, largest
+from gainsay.tables import Case
 from papers.pinheiro2013 import response as responses
 from papers.pinheiro2013.plant import RECONSTRUCTIONS, Satellite, perturbed, reconstruction
 
@@ -37,7 +41,9 @@ STEP = 0.1
 ROUNDING = 1e-12
 
 
-def _log(log: LogWriter, where: str, time: np.ndarray, states: np.ndarray, K: np.ndarray, limit=None) -> None:
+def _log(
+    log: LogWriter, where: str, time: np.ndarray, states: np.ndarray, K: np.ndarray, limit: float | None = None
+) -> None:
     torque = -states @ K.T
     if limit is not None:
         torque = np.clip(torque, -limit, limit)
@@ -46,7 +52,7 @@ def _log(log: LogWriter, where: str, time: np.ndarray, states: np.ndarray, K: np
     log.signal(f"/{where}/torque", TORQUES, time, torque, shown="mN m")
 
 
-def _plants(case, satellite: Satellite) -> list[list[Satellite]]:
+def _plants(case: Case, satellite: Satellite) -> list[list[Satellite]]:
     """Plants 1 and 2 for each of roll, pitch, yaw: list (ii), list (i), list (ii)."""
     return [list(perturbed(case, satellite, group)) for group in ("roll_yaw", "pitch", "roll_yaw")]
 
@@ -57,14 +63,16 @@ def _second(A: np.ndarray, start: np.ndarray, end: float, output: np.ndarray) ->
     return largest(trajectory, lambda t, x: np.abs(x @ output))[1]
 
 
-def _extreme(log: LogWriter, name: str, time: float, value: float, second: float, unit: str, limit=None) -> None:
+def _extreme(
+    log: LogWriter, name: str, time: float, value: float, second: float, unit: str, limit: float | None = None
+) -> None:
     log.extreme(name, time, abs(value), unit, second=second, limit=limit)
 
 
-def release(reconstructed: str, design: str):
+def release(reconstructed: str, design: str) -> Simulate:
     """Return the simulation of a release at the rates of (24)."""
 
-    def simulate(case, designs: Mapping, log: LogWriter) -> None:
+    def simulate(case: Case, designs: Mapping, log: LogWriter) -> None:
         satellite, K = reconstruction(case, reconstructed), designs[f"{reconstructed}_{design}"]["K"]
         end, limit = case.number("horizon"), case.number("wheel_torque")
         start = responses.release_state(case)
@@ -114,10 +122,10 @@ def release(reconstructed: str, design: str):
     return simulate
 
 
-def disturbed(reconstructed: str, design: str):
+def disturbed(reconstructed: str, design: str) -> Simulate:
     """Return the simulation of the response to (25) from rest."""
 
-    def simulate(case, designs: Mapping, log: LogWriter) -> None:
+    def simulate(case: Case, designs: Mapping, log: LogWriter) -> None:
         satellite, K = reconstruction(case, reconstructed), designs[f"{reconstructed}_{design}"]["K"]
         end, torque = case.number("disturbance_horizon"), responses.disturbance(case)
         linear = responses.Disturbed(satellite, "all", K, torque, end)
@@ -146,7 +154,7 @@ def disturbed(reconstructed: str, design: str):
     return simulate
 
 
-def _scene(log: LogWriter, time, states, torque) -> None:
+def _scene(log: LogWriter, time: np.ndarray, states: np.ndarray, torque: np.ndarray) -> None:
     # Angles of fractions of a degree are invisible: they are drawn larger, and the text page says so.
     factor = 0.3 / max(np.abs(states[:, :3]).max(), 1e-12)
     keep = np.unique(np.linspace(0, len(time) - 1, 600).astype(int))
@@ -167,17 +175,21 @@ def _quaternion(angles: np.ndarray) -> np.ndarray:
 
 
 def _measured(log: Log, name: str) -> Measured:
-    _, value, second = log.extremes[name]
-    band = abs(value - second) + ROUNDING * abs(value)
-    return Measured(
-        value, "matrix exponential, extreme located; band: an adaptive integrator", value - band, value + band
-    )
+    return located(log, name, "matrix exponential, extreme located; band: an adaptive integrator", rounding=ROUNDING)
 
 
-def measure_release(reconstructed: str, design: str):
+def _relative(difference: Measured, peak: Measured) -> Measured:
+    """Quotient of two measured positive numbers with the band that theirs give."""
+    method = "worse of the two plants over the nominal peak, both located"
+    bands = (difference.lower, difference.upper, peak.lower, peak.upper)
+    least, most, lowest, highest = (np.nan if end is None else end for end in bands)
+    return Measured(difference.value / peak.value, method, least / highest, most / lowest)
+
+
+def measure_release(reconstructed: str, design: str) -> Measure:
     """Return the function that reads a release's quantities from its log."""
 
-    def measure(case, log: Log) -> dict[str, Measured]:
+    def measure(case: Case, log: Log) -> dict[str, Measured]:
         prefix, found = f"{reconstructed}.{DESIGNS[design][0]}", {}
         for name in NAMES:
             angle, torque = _measured(log, f"peak_angle_{name}"), _measured(log, f"peak_torque_{name}")
@@ -185,10 +197,7 @@ def measure_release(reconstructed: str, design: str):
             found[f"{prefix}.peak_angle.{name}"] = angle
             found[f"{prefix}.peak_torque.{name}"] = torque
             found[f"{prefix}.absolute_difference.{name}"] = worst
-            found[f"{prefix}.relative_difference.{name}"] = Measured(
-                worst.value / angle.value, "worse of the two plants over the nominal peak, both located",
-                worst.lower / angle.upper, worst.upper / angle.lower,
-            )  # fmt: skip
+            found[f"{prefix}.relative_difference.{name}"] = _relative(worst, angle)
             found[f"{prefix}.settling.{name}"] = Measured(
                 log.extremes[f"settling_{name}"].value, f"last time above {responses.SETTLED:.0%} of the peak, located"
             )
@@ -205,10 +214,10 @@ def measure_release(reconstructed: str, design: str):
     return measure
 
 
-def measure_disturbed(reconstructed: str, design: str):
+def measure_disturbed(reconstructed: str, design: str) -> Measure:
     """Return the function that reads the quantities of a response to (25) from its log."""
 
-    def measure(case, log: Log) -> dict[str, Measured]:
+    def measure(case: Case, log: Log) -> dict[str, Measured]:
         prefix, found = f"{reconstructed}.{DESIGNS[design][0]}.disturbed", {}
         for name in NAMES:
             for what in ("angle", "torque"):
@@ -218,7 +227,7 @@ def measure_disturbed(reconstructed: str, design: str):
     return measure
 
 
-def _specs():
+def _specs() -> Iterator[RunSpec]:
     for name in RECONSTRUCTIONS:
         for design in DESIGNS:
             yield RunSpec(
@@ -234,7 +243,7 @@ RELEASES = tuple(run.name for run in RUNS if run.name.endswith("release"))
 DISTURBED = tuple(run.name for run in RUNS if run.name.endswith("disturbed"))
 
 
-def _lines(where: str, kind: str, fields, suffix: str = "", label: str = "") -> tuple[Line, ...]:
+def _lines(where: str, kind: str, fields: Iterable[str], suffix: str = "", label: str = "") -> tuple[Line, ...]:
     return tuple(
         Line(f"/{where}/{kind}", field, f"{field}{label}", f"axis_{i}{suffix}")
         for i, field in enumerate(fields, start=1)

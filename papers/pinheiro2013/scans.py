@@ -16,7 +16,8 @@ import numpy as np
 
 from gainsay.errors import ComputationError
 from gainsay.exact.digits import PrintedNumber
-from gainsay.results import task
+from gainsay.results import Results, task
+from gainsay.tables import Case
 from gainsay.verdicts.scan import Plausible, plausible, scan
 from papers.pinheiro2013 import conditions as mixed
 from papers.pinheiro2013.scans_studies import LEVELS, Designs, Study, gains_of
@@ -32,7 +33,7 @@ BOTH_ENDS = ("gamma_min", "gamma_max")
 _LOGARITHMIC = ("orbital_rate", "angle_weight", "rate_weight")
 
 
-def inputs(case, names: tuple[str, ...], printed: tuple[str, ...] = ()) -> tuple[Plausible, ...]:
+def inputs(case: Case, names: tuple[str, ...], printed: tuple[str, ...] = ()) -> tuple[Plausible, ...]:
     """Inputs that the paper leaves out, with the ranges of the table.
 
     Parameters
@@ -50,7 +51,7 @@ def inputs(case, names: tuple[str, ...], printed: tuple[str, ...] = ()) -> tuple
     return tuple(found)
 
 
-def rigid(case) -> Callable[[Mapping], bool]:
+def rigid(case: Case) -> Callable[[Mapping], bool]:
     """Return the test whether a rigid body can have the three moments, and those of all plants with uncertainty."""
     changes = np.vstack([np.zeros(3), 0.01 * case.matrix("pitch_changes"), 0.01 * case.matrix("roll_yaw_changes")])
 
@@ -61,7 +62,7 @@ def rigid(case) -> Callable[[Mapping], bool]:
     return test
 
 
-def as_printed(case, printed: tuple[str, ...]) -> Callable[[Mapping], bool]:
+def as_printed(case: Case, printed: tuple[str, ...]) -> Callable[[Mapping], bool]:
     """Return the test whether a rigid body can have the moments, and whether the levels can be what the paper prints.
 
     Parameters
@@ -168,7 +169,7 @@ class Shared:
     case : gainsay.tables.Case
     """
 
-    def __init__(self, case) -> None:
+    def __init__(self, case: Case) -> None:
         self.case = case
         self._designs: dict[tuple, Designs] = {}
         self._studies: dict[tuple, Study] = {}
@@ -195,7 +196,7 @@ class Shared:
         return found
 
 
-def ask(case, results, question: Question, shared: Shared) -> None:
+def ask(case: Case, results: Results, question: Question, shared: Shared) -> None:
     """Scan one quantity, and compute it at reconstruction A, or B where the scan is over moments of any satellite."""
 
     def together(points: Sequence[Mapping]) -> list[float]:
@@ -217,7 +218,7 @@ def ask(case, results, question: Question, shared: Shared) -> None:
 
 
 @task("scan over missing inputs")
-def missing_inputs(case, results):
+def missing_inputs(case: Case, results: Results) -> None:
     """Scan every quantity whose claims may hang on what the paper leaves out."""
     shared, broken = Shared(case), []
     for question in QUESTIONS:

@@ -9,6 +9,7 @@ import numpy as np
 
 from gainsay.errors import ComputationError
 from gainsay.systems.norms import h2_norm
+from gainsay.tables import Case
 from papers.pinheiro2013 import conditions as mixed
 from papers.pinheiro2013 import conditions_gains as gains
 from papers.pinheiro2013 import response as responses
@@ -20,7 +21,7 @@ SEPARATE = ("pitch", "roll_yaw")
 _LONGEST_STEP = 10.0
 
 
-def base(case, name: str) -> float | str:
+def base(case: Case, name: str) -> float | str:
     """Value of an input at reconstruction A, at which the printed levels can hold."""
     if name in ("disturbance_axes", "rate_unit", "norm_inputs"):
         return case.choice(name)
@@ -36,7 +37,7 @@ class Filled(dict):
     point : mapping
     """
 
-    def __init__(self, case, point: Mapping) -> None:
+    def __init__(self, case: Case, point: Mapping) -> None:
         super().__init__(point)
         self._case = case
 
@@ -75,7 +76,8 @@ def gains_of(designs: Sequence["Designs"]) -> list[dict[tuple[str, str], np.ndar
     for group in SEPARATE:
         plants = [(d.plants[group], d.gamma(level, group)) for d in designs for level in LEVELS]
         limits = [mixed.limit_gain(plant) for plant, _ in plants]
-        K, _ = gains.least_trace_gains(gains.stack(*zip(*plants, strict=True), limits))
+        stacked = gains.stack([plant for plant, _ in plants], [gamma for _, gamma in plants], limits)
+        K, _ = gains.least_trace_gains(stacked)
         for i, of_one in enumerate(found):
             of_one.update({(level, group): K[len(LEVELS) * i + j] for j, level in enumerate(LEVELS)})
     return found
@@ -93,7 +95,7 @@ class Designs:
         Values of inputs; what is missing is taken from reconstruction A.
     """
 
-    def __init__(self, case, point: Mapping) -> None:
+    def __init__(self, case: Case, point: Mapping) -> None:
         self.case, self.point = case, Filled(case, point)
 
     @cached_property
@@ -240,7 +242,7 @@ class Study:
         Where they are known from a study of the same design inputs.
     """
 
-    def __init__(self, case, point: Mapping, designs: Designs | None = None) -> None:
+    def __init__(self, case: Case, point: Mapping, designs: Designs | None = None) -> None:
         self.case, self.point = case, Filled(case, point)
         self.designs = Designs(case, point) if designs is None else designs
 

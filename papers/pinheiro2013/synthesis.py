@@ -1,5 +1,6 @@
 """Synthesis of pinheiro2013: levels, limits, the LMIs (21) for both reconstructions, and what is proved of them."""
 
+from collections.abc import Iterator
 from contextlib import nullcontext
 
 import numpy as np
@@ -7,9 +8,10 @@ import numpy as np
 from gainsay.errors import ComputationError, InputError
 from gainsay.lmi import Infimum, Solved, infimum, sweep
 from gainsay.proof import build
-from gainsay.results import task
+from gainsay.results import Results, task
 from gainsay.statements import Stated, enclose, prove
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
+from gainsay.tables import Case
 from papers.pinheiro2013 import conditions as mixed
 from papers.pinheiro2013 import conditions_gains as gains
 from papers.pinheiro2013 import conditions_pitch as pitch
@@ -23,7 +25,7 @@ PARETO = ("0.15", "0.3", "0.5", "1", "2", "5", "10", "30")
 AGREE = 1e-5
 
 
-def plants(case, results=None):
+def plants(case: Case, results: Results | None = None) -> Iterator[tuple[str, str, GeneralizedPlant]]:
     """Yield reconstruction, group and generalized plant; what one rests on is not held against the next."""
     for name in RECONSTRUCTIONS:
         for group in SEPARATE:
@@ -80,7 +82,7 @@ def gain_of(found: Infimum, plant: GeneralizedPlant, gamma: float) -> np.ndarray
 
 
 @task("(20), gamma_min")
-def levels(case, results):
+def levels(case: Case, results: Results) -> None:
     """Find the infimum of the level as the norm of D11, and reach it with a closed-form gain."""
     for name, group, plant in plants(case, results):
         least, K = mixed.gamma_min(plant), mixed.limit_gain(plant)
@@ -99,7 +101,7 @@ def levels(case, results):
 
 
 @task("the H2 limit")
-def h2_limit(case, results):
+def h2_limit(case: Case, results: Results) -> None:
     """Solve the limit gamma to infinity by its Riccati equation; pitch against its closed form."""
     for name, group, plant in plants(case, results):
         found = mixed.h2_design(plant)
@@ -117,7 +119,7 @@ def h2_limit(case, results):
 
 
 @task("(21) near gamma_min")
-def limits(case, results):
+def limits(case: Case, results: Results) -> None:
     """Solve (21) at 1.001 of the infimum, where the gains forget the weights."""
     for name, group, plant in plants(case, results):
         gamma = mixed.ABOVE * mixed.gamma_min(plant)
@@ -133,7 +135,7 @@ def limits(case, results):
         results.quantity(f"{prefix}.k2_over_inertia", second / moment, method=method, source="(21), (22)")
 
 
-def check_levels(case) -> None:
+def check_levels(case: Case) -> None:
     """Refuse levels of the table that no state feedback of a reconstruction reaches.
 
     Raises
@@ -153,7 +155,7 @@ def check_levels(case) -> None:
 
 
 @task("(21), (22)")
-def designs(case, results):
+def designs(case: Case, results: Results) -> None:
     """Hold the designs at the three levels against (21) with the sign corrected, and measure them."""
     with results.apart():
         check_levels(case)
@@ -178,7 +180,9 @@ def _short(K: np.ndarray) -> str:
     return "[" + ", ".join(f"{x:.4g}" for x in K.ravel()) + "]"
 
 
-def _design(results, name, level, group, plant, gamma, K) -> None:
+def _design(
+    results: Results, name: str, level: str, group: str, plant: GeneralizedPlant, gamma: float, K: np.ndarray
+) -> None:
     found = best(plant, gamma)
     sqrt_trace = trace_within(plant, gamma, K, found)
     lower, upper = np.sqrt([found.lower, found.upper])
@@ -206,7 +210,7 @@ def _design(results, name, level, group, plant, gamma, K) -> None:
 
 
 @task("(21) as printed")
-def as_printed(case, results):
+def as_printed(case: Case, results: Results) -> None:
     """Prove that (21) as printed has no solution: its block (3, 3) must be negative and is gamma^2 I."""
     plant = generalized_plant(reconstruction(case, "b"), "pitch")
     first = statements.equation_21(statements.sizes(plant), statements.pitch("b"), "number('gamma_mixed')**2")
@@ -220,7 +224,7 @@ def as_printed(case, results):
 
 
 @task("(21) corrected, certified")
-def certified(case, results):
+def certified(case: Case, results: Results) -> None:
     """Certify points of (21) at gamma = 2, reconstruction B, and a bound on the trace from below."""
     gamma = case.number("gamma_mixed")
     for group in SEPARATE:
@@ -240,7 +244,7 @@ def certified(case, results):
 
 
 @task("(23)")
-def bounds(case, results):
+def bounds(case: Case, results: Results) -> None:
     """Certify both bounds of (23) for every design."""
     for name, group, plant in plants(case, results):
         for level, parameter in LEVELS.items():
@@ -260,7 +264,7 @@ def bounds(case, results):
 
 
 @task("gamma_min, certified")
-def gamma_min_certified(case, results):
+def gamma_min_certified(case: Case, results: Results) -> None:
     """Certify that the infimum is the norm of D11: infeasible just below, reached just above."""
     plant = generalized_plant(reconstruction(case, "b"), "pitch")
     r = plant.D11[0]
@@ -310,7 +314,7 @@ def _largest_row() -> str:
 
 
 @task("gamma sweep")
-def pareto(case, results):
+def pareto(case: Case, results: Results) -> None:
     """Follow the least H2 norm over gamma: one shared X as in (21), and the true optimum over the two gains."""
     plant = generalized_plant(reconstruction(case, "b"), "pitch")
     values = [float(level) for level in PARETO]
@@ -321,7 +325,7 @@ def pareto(case, results):
         outcome = found[gamma]
         if not isinstance(outcome, Solved):
             raise ComputationError("gamma sweep", f"no solution at gamma = {gamma!r}", outcome.attempts)
-        trace, A, B, _, _, C2 = mixed.trace_of_gain(plant, K, gamma), *plant.closed(K)
+        trace, (A, B, _, _, C2) = mixed.trace_of_gain(plant, K, gamma), plant.closed(K)
         if not abs(trace / outcome.objective - 1) < AGREE:
             raise ComputationError(
                 "gamma sweep", f"traces {outcome.objective!r} by the LMI, {trace!r} by Newton's method"

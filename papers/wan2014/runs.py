@@ -1,6 +1,6 @@
 """The runs of section 4: the printed controller under every start of its observer, and the designs of ours."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -14,13 +14,16 @@ from gainsay.logs import (
     Line,
     Log,
     LogWriter,
+    Measure,
     Measured,
     Plot,
     Rows,
     RunSpec,
     Scene,
+    Simulate,
     Tab,
     Text,
+    measuring,
 )
 from gainsay.simulation.ode import Trajectory
 from gainsay.tables import Case
@@ -31,6 +34,7 @@ from papers.wan2014.scans import CAPTURE_RADIUS, FLUCTUATION, settling_time
 STATE = {"x": "m", "y": "m", "z": "m", "vx": "m/s", "vy": "m/s", "vz": "m/s"}
 FORCE = dict.fromkeys(AXES, "N")
 RTOL = 1e-12
+METHOD = "DOP853 at 1e-12, located on dense output; band: difference to LSODA at 1e-12"
 
 
 def sample_times(end: float) -> np.ndarray:
@@ -111,16 +115,12 @@ def draw_scene(time: np.ndarray, states: np.ndarray, thrust: np.ndarray, log: Lo
     log.event(0.0, "start", "chaser 5 km from the target; the estimate starts as the run says")
 
 
-def measure(prefix: str, wanted: tuple[str, ...]) -> Callable[[Case, Log], Mapping[str, Measured]]:
+def measure(prefix: str, wanted: tuple[str, ...]) -> Measure:
     """Return the function that reads a run's quantities from its log: the located value, banded by a second method."""
+    of_extremes = measuring(prefix, wanted, METHOD)
 
     def measured(case: Case, log: Log) -> dict[str, Measured]:
-        found = {}
-        for name in wanted:
-            _, value, second = log.extremes[name]
-            band = abs(value - second)
-            method = "DOP853 at 1e-12, located on dense output; band: difference to LSODA at 1e-12"
-            found[f"{prefix}.{name}"] = Measured(value, method, value - band, value + band)
+        found = dict(of_extremes(case, log))
         if prefix in ("audit", "audit.exact_start"):
             thrust = log["/chaser/thrust"]
             early = thrust.column("x")[thrust.time <= FLUCTUATION]
@@ -138,7 +138,7 @@ PEAKS = tuple(f"peak_f{axis}" for axis in AXES)
 FULL = ("cost", "delta_v", *PEAKS, "range_3000s", "final_range", "capture_10m")
 
 
-def printed(start: str, *, linear: bool = False, clipped: bool = False) -> Callable[..., None]:
+def printed(start: str, *, linear: bool = False, clipped: bool = False) -> Simulate:
     """Return the simulation of the printed gains from a start of the observer."""
 
     def simulate(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], log: LogWriter) -> None:
@@ -148,7 +148,7 @@ def printed(start: str, *, linear: bool = False, clipped: bool = False) -> Calla
     return simulate
 
 
-def designed(name: str) -> Callable[..., None]:
+def designed(name: str) -> Simulate:
     """Return the simulation of a design of ours from the measured position."""
 
     def simulate(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], log: LogWriter) -> None:

@@ -248,9 +248,9 @@ def state_feedback(case: Any, saturated: bool = True, weight: str = "1", **texts
     unknowns = {name: unknown for name, unknown in THEOREM.items() if name not in texts}
     limits = thrust(THRUST_TIMES_RHO) if saturated else []
     held = [
-        FEEDBACK_TIMES_RHO.defining("(14) 1,3,5,7", unknowns=unknowns, weight=weight, **texts) < 0,
-        START_TIMES_RHO.defining("(30)", unknowns=unknowns, **texts) < 0,
-        [Constraint(c.label, c.left, c.relation, c.right, c.statement.defining(unknowns=unknowns, **texts))
+        FEEDBACK_TIMES_RHO.defining(texts, label="(14) 1,3,5,7", unknowns=unknowns, weight=weight) < 0,
+        START_TIMES_RHO.defining(texts, label="(30)", unknowns=unknowns) < 0,
+        [Constraint(c.label, c.left, c.relation, c.right, c.statement.defining(texts, unknowns=unknowns))
          for c in limits if c.statement is not None],
     ]  # fmt: skip
     return Stated(case, held, minimise="rho", unknowns=unknowns, label="(14) 1,3,5,7 with (30), (31)")
@@ -388,5 +388,5 @@ JOINT_START = Statement(
 
 def joint_design(case: Any, **texts: str) -> Stated:
     """Return the corrected theorem: the least bound over K = Y X^-1 and both Lyapunov matrices, no thrust limits."""
-    held = [JOINT.defining(None, None, **texts) < 0, JOINT_START.defining(None, None, **texts) > 0, "P > 0"]
+    held = [JOINT.defining(texts) < 0, JOINT_START.defining(texts) > 0, "P > 0"]
     return Stated(case, held, minimise="rho", label="joint design")

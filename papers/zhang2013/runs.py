@@ -1,6 +1,6 @@
 """The runs of the numerical example: both readings of the delay, both starts of the observer, and designs of ours."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,15 +13,16 @@ from gainsay.logs import (
     EventLog,
     Layout,
     Line,
-    Log,
     LogWriter,
-    Measured,
+    Measure,
     Plot,
     Rows,
     RunSpec,
     Scene,
+    Simulate,
     Tab,
     Text,
+    measuring,
 )
 from gainsay.logs.sampling import moving_samples
 from gainsay.tables import Case
@@ -87,7 +88,7 @@ def draw_scene(time: np.ndarray, states: np.ndarray, log: LogWriter) -> None:
     log.axes("spacecraft", 2.0, labels=("", "", ""))
 
 
-def printed(mode: str, start: str) -> Callable[..., None]:
+def printed(mode: str, start: str) -> Simulate:
     """Return the simulation of the printed gains in one reading of the text."""
 
     def simulate(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], log: LogWriter) -> None:
@@ -97,7 +98,7 @@ def printed(mode: str, start: str) -> Callable[..., None]:
     return simulate
 
 
-def designed(name: str) -> Callable[..., None]:
+def designed(name: str) -> Simulate:
     """Return the simulation of a design of ours, in the reading of the nominal run."""
 
     def simulate(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], log: LogWriter) -> None:
@@ -107,19 +108,11 @@ def designed(name: str) -> Callable[..., None]:
     return simulate
 
 
-def measure(prefix: str, *wanted: str) -> Callable[[Case, Log], Mapping[str, Measured]]:
+def measure(prefix: str, *wanted: str) -> Measure:
     """Return the function that reads a run's quantities from its log, banded by the second solution."""
-
-    def measured(case: Case, log: Log) -> dict[str, Measured]:
-        found = {}
-        for name in wanted:
-            _, value, second = log.extremes[name]
-            band = abs(value - second)
-            method = "Gauss collocation, 5 points a step of 20 ms; band: difference to 6 points a step of 30 ms"
-            found[f"{prefix}.{name}"] = Measured(value, method, value - band, value + band)
-        return found
-
-    return measured
+    return measuring(
+        prefix, wanted, "Gauss collocation, 5 points a step of 20 ms; band: difference to 6 points a step of 30 ms"
+    )
 
 
 SHORT = (

@@ -308,14 +308,14 @@ def structured_theorem_1(case: Any, loop: dict[str, str], **texts: str) -> State
     """Theorem 1 under (25): block diagonal unknowns, P3 = diag(lambda1 P21, lambda2 P22)."""
     unknowns = {**SIGNED, "P21": matrix(2, 2), "P22": matrix(1, 1)}
     where = {**loop, **LAMBDAS, **texts}
-    held = [equation_9(part, where).defining(unknowns=unknowns, **STRUCTURE) < 0 for part in PARTS]
+    held = [equation_9(part, where).defining(STRUCTURE, unknowns=unknowns) < 0 for part in PARTS]
     return Stated(case, [*held, positive_definite()], unknowns={**unknowns, **GAMMA_SQUARED}, label="(9), (25)")
 
 
 def theorem_2(case: Any, edition: str = "corrected", level: str = "0", **texts: str) -> Stated:
     """(23a), (23b) and the sign conditions, each by a level; `texts` define l1, M, N, ... otherwise."""
     side: Any = 0 if level == "0" else f"-{level} * eye(15)"
-    held = [EDITIONS[edition](part).defining(None, None, **texts) < side for part in PARTS]
+    held = [EDITIONS[edition](part).defining(texts) < side for part in PARTS]
     more = {**UNKNOWNS_23, **GAMMA_SQUARED, "t": scalar()}
     unknowns = {name: unknown for name, unknown in more.items() if name not in texts}
     return Stated(case, [*held, positive_definite(level)], unknowns=unknowns, label=f"(23) {edition}")
@@ -346,7 +346,7 @@ def least_squares_program(case: Any, level: str = "1e-3", **texts: str) -> State
         "sum of squares", "", ("total", "entries"),
         {("total", "total"): "total", ("total", "entries"): f"row({entries})", ("entries", "entries"): f"eye({count})"},
         unknowns={**UNKNOWNS_23, "total": scalar()}, where={**PLANT, **LAMBDAS},
-    ).defining(None, None, **texts)  # fmt: skip
+    ).defining(texts)  # fmt: skip
     held = theorem_2(case, level=level, **texts)
     return Stated(case, [held.constraints, squares > 0], "total", held.unknowns, held.where, label="(23) least squares")
 

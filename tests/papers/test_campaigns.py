@@ -45,7 +45,7 @@ def exact_loop(point):
     exact = [Fraction(float(x)) for x in point]
     gains = plant.controller(case, "proposed", exact=True)
     ones = np.array([Fraction(1)] * 6)
-    rigid = plant.rigid(plant.constants(case, exact=True), exact[:3])
+    rigid = plant.rigid(plant.exact_constants(case), exact[:3])
     return plant.closed_loop(rigid, gains, ones + exact[3], ones[:3] + exact[4], ones[:3] + exact[5])
 
 
@@ -90,7 +90,7 @@ def test_the_loops_of_draws_are_the_exact_ones_within_their_bound():
     for name in ("proposed", "comparison"):
         loops, error = loops_of(case, name, factors)
         gains = plant.controller(case, name, exact=True)
-        rigid = plant.rigid(plant.constants(case, exact=True))
+        rigid = plant.rigid(plant.exact_constants(case))
         for row, near, bound in zip(factors, loops, error, strict=True):
             f = np.array([Fraction(x) for x in row])
             exact = plant.closed_loop(rigid, gains, f[:6], f[6:9], f[9:])

@@ -46,7 +46,7 @@ def test_factors_are_those_of_the_tables(case):
 
 
 def test_exact_and_float_plants_agree(case):
-    exact = plant.rigid(plant.constants(case, exact=True), (Fraction(1, 3), Fraction(-1), Fraction(1, 7)))
+    exact = plant.rigid(plant.exact_constants(case), (Fraction(1, 3), Fraction(-1), Fraction(1, 7)))
     floats = plant.rigid(plant.constants(case), (1 / 3, -1, 1 / 7))
     assert np.allclose(exact.A.astype(float), floats.A, rtol=1e-13, atol=1e-22)
 

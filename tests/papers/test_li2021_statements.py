@@ -244,7 +244,7 @@ def test_derivations_hold():
 
 @pytest.mark.parametrize("derive", [derivations.to_all_gains, lambda case: derivations.from_all_gains(case, True)])
 def test_the_form_for_all_gains_is_12_and_no_other(monkeypatch, derive):
-    wrong = st.EQ12.corrected({("2", "4"): "lam * E_t.T @ W_t.T"}).defining("(12)")
+    wrong = st.EQ12.corrected({("2", "4"): "lam * E_t.T @ W_t.T"}).defining(label="(12)")
     monkeypatch.setattr(derivations, "EQ12", wrong)
     with pytest.raises(CertificateError, match="not proved to be the sum"):
         derive(CASE)

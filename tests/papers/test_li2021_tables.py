@@ -50,14 +50,13 @@ def test_every_numbered_item_is_covered(case):
 
 
 def test_gains_of_another_shape_are_refused():
-    eye = SimpleNamespace(A=np.eye(6), B=np.zeros((6, 3)), C=np.zeros((3, 6)))
-    plant.check_gains(eye.A, eye.B, eye.C)
+    eye = plant.Gains(A=np.eye(6), B=np.zeros((6, 3)), C=np.zeros((3, 6)))
     with pytest.raises(InputError, match=r"B_f.*6x3"):
-        plant.check_gains(eye.A, eye.B.T, eye.C)
+        plant.Gains(eye.A, eye.B.T, eye.C)
     with pytest.raises(InputError, match=r"A_f.*6x6"):
-        plant.check_gains(np.eye(5), eye.B, eye.C)
+        plant.Gains(np.eye(5), eye.B, eye.C)
     with pytest.raises(InputError, match="finite"):
-        plant.check_gains(eye.A, eye.B, np.full((3, 6), np.inf))
+        plant.Gains(eye.A, eye.B, np.full((3, 6), np.inf))
 
 
 def test_unstable_loop_has_no_norm(case):

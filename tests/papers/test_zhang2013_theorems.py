@@ -65,7 +65,7 @@ def random_point(seed: int) -> dict[str, np.ndarray]:
 def left_side(statement, point: dict, **numbers: float) -> np.ndarray:
     """Left side of an edition of (23) at a point, by the solver's evaluator."""
     texts = {name: repr(value) for name, value in (NUMBERS | numbers).items()}
-    definitions = statement.defining(**texts).definitions(CASE)
+    definitions = statement.defining(texts).definitions(CASE)
     variables = {name: unknown.variable(name) for name, unknown in UNKNOWNS_23.items()}
     return Floats(CASE, definitions, variables).value(statement.formula).value(point)
 

@@ -16,6 +16,9 @@ from gainsay.logs import Log
 from gainsay.logs.palette import role
 from gainsay.tables import Case
 
+#: draws into a figure, from the logs by run and the tables
+Draw = Callable[[Figure, Mapping[str, Log], Case], None]
+
 
 @dataclass(frozen=True)
 class FigureSpec:
@@ -35,7 +38,7 @@ class FigureSpec:
 
     name: str
     runs: tuple[str, ...]
-    draw: Callable[[Figure, Mapping[str, Log], Case], None]
+    draw: Draw
     height: float = 3.0
 
 

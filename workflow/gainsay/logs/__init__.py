@@ -2,7 +2,7 @@
 
 from gainsay.logs.layout import Bound, Columns, EventLog, Layout, Line, Plot, Rows, Scene, Tab, Text
 from gainsay.logs.reader import Event, Extreme, Log, Signal, read_log
-from gainsay.logs.runs import Measured, RunSpec
+from gainsay.logs.runs import Measure, Measured, RunSpec, Simulate, located, measuring
 from gainsay.logs.scene import Appendage, Body
 from gainsay.logs.writer import LogWriter
 
@@ -18,13 +18,17 @@ __all__ = [
     "Line",
     "Log",
     "LogWriter",
+    "Measure",
     "Measured",
     "Plot",
     "Rows",
     "RunSpec",
     "Scene",
     "Signal",
+    "Simulate",
     "Tab",
     "Text",
+    "located",
+    "measuring",
     "read_log",
 ]

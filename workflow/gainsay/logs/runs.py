@@ -1,7 +1,7 @@
 """What a paper declares of one run, and what is measured from its log."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -68,3 +68,38 @@ class RunSpec:
     def __post_init__(self) -> None:
         if not self.name or not set(self.name) <= set("abcdefghijklmnopqrstuvwxyz0123456789_"):
             raise InputError("run name", value=self.name, expected="lower-case letters, digits and underscores")
+
+
+def located(log: "Log", name: str, method: str, *, times: float = 1.0, rounding: float = 0.0) -> Measured:
+    """Located extreme of a log with the band that its second method gives.
+
+    Parameters
+    ----------
+    log : Log
+    name : str
+        Of the extreme.
+    method : str
+        Both methods, in one line.
+    times : float, optional
+        Band over the difference of the two values.
+    rounding : float, optional
+        What is added to the band, relative to the value.
+
+    Raises
+    ------
+    KeyError
+        If the log has no extreme of that name.
+    """
+    _, value, second = log.extremes[name]
+    band = times * abs(value - second) + rounding * abs(value)
+    return Measured(value, method, value - band, value + band)
+
+
+def measuring(prefix: str, names: Iterable[str], method: str, *, times: float = 1.0) -> Measure:
+    """Return the function that measures located extremes as quantities ``<prefix>.<name>``, banded as by `located`."""
+    wanted = tuple(names)
+
+    def measure(case: Any, log: "Log") -> dict[str, Measured]:
+        return {f"{prefix}.{name}": located(log, name, method, times=times) for name in wanted}
+
+    return measure

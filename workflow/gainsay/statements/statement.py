@@ -224,24 +224,33 @@ class Statement:
         return replace(self, label=filled(label or self.label), blocks=filled_blocks)
 
     def defining(
-        self, label: str | None = None, /, unknowns: Mapping[str, Unknown] | None = None, **texts: str
+        self,
+        texts: Mapping[str, str] | None = None,
+        /,
+        *,
+        unknowns: Mapping[str, Unknown] | None = None,
+        label: str | None = None,
+        **more: str,
     ) -> "Statement":
         """Return the statement with definitions added or replaced, in their place where they have one.
 
         Parameters
         ----------
-        label : str, optional
-            Name of the new statement.
+        texts : mapping of str to str, optional
+            Formulas by name; an unknown that is defined is none any more: a substitution.
         unknowns : mapping of str to Unknown, optional
             Those that the definitions bring in.
-        **texts : str
-            Formulas; an unknown that is defined is none any more: a substitution.
+        label : str, optional
+            Name of the new statement.
+        **more : str
+            Further formulas by name.
         """
+        defined = {**(texts or {}), **more}
 
         def definitions(case: Any) -> dict[str, str]:
-            return {**self.definitions(case), **texts}
+            return {**self.definitions(case), **defined}
 
-        kept = {name: unknown for name, unknown in self.unknowns.items() if name not in texts}
+        kept = {name: unknown for name, unknown in self.unknowns.items() if name not in defined}
         return replace(self, label=label or self.label, where=definitions, unknowns={**kept, **(unknowns or {})})
 
     def __lt__(self, other: int | str) -> Constraint:
