@@ -31,7 +31,7 @@ def exact_diagonal(values):
 @given(DELTA)
 def test_factorisations_hold_exactly(delta):
     # identity in rationals, from the definitions of D and G
-    k = plant.constants(read_case(ROOT, "li2021"), exact=True)
+    k = plant.exact_constants(read_case(ROOT, "li2021"))
     f = plant.uncertainty_factors(k)
     J = tuple(j + e * d for j, e, d in zip(k.inertia, k.envelope, delta, strict=True))
     change_D = plant.gyroscopic(k.orbital_rate, J) - plant.gyroscopic(k.orbital_rate, k.inertia)
