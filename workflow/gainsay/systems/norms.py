@@ -83,7 +83,7 @@ def hinf_enclosure(
     if sample is None:
         require_hurwitz(system.A, "H-infinity norm")
         return hinf_bounds(*exact, _likely_peaks(system), width=2 * tolerance)
-    _require_sample(sample)
+    require_sample(sample)
     require_schur(system.A, "H-infinity norm")
     moved = _bilinear(*exact)
     floats = StateSpace(*(_rounded(M) for M in moved))
@@ -99,7 +99,8 @@ def _rounded(M: fmpq_mat) -> np.ndarray:
     return np.array(M.tolist(), dtype=object).astype(float).reshape(M.nrows(), M.ncols())
 
 
-def _require_sample(sample: float) -> None:
+def require_sample(sample: float) -> None:
+    """Refuse what is no sampling time, s."""
     if not (np.isfinite(sample) and sample > 0):
         raise InputError("", field="sample", value=sample, expected="a positive time, s")
 
@@ -210,7 +211,7 @@ def h2_enclosure(
         _require_strictly_proper(system)
         require_hurwitz(system.A, "H2 norm")
         return h2_bounds(*exact)
-    _require_sample(sample)
+    require_sample(sample)
     require_schur(system.A, "H2 norm")
     return h2_bounds(*exact, discrete=True)
 
