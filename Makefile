@@ -5,12 +5,13 @@
 # make docs       write the generated documentation            make clean      remove results
 # make kernels    run as other machines would, check           make versions   run with older and newer libraries, check
 # make nightly    all that is too long for a change           make look       pages and logs of results, in their viewers
+# make slurm      a campaign through Slurm, on this machine
 
 PYTHON ?= python3
 BIN := .venv/bin
 RUN := PATH="$(CURDIR)/$(BIN):$$PATH" VIRTUAL_ENV="$(CURDIR)/.venv"
 
-.PHONY: environment all test test-slow look lint lock record bench gallery docs clean kernels kernels-quick versions nightly
+.PHONY: environment all test test-slow look lint lock record bench gallery docs clean kernels kernels-quick versions slurm nightly
 
 all: environment
 	@$(RUN) gainsay lint
@@ -76,10 +77,14 @@ versions: environment
 	  [ $$code -le $$worst ] || worst=$$code; \
 	done; exit $$worst
 
+# A campaign through Slurm on this machine, in so many seconds; without Slurm: skipped, not checked.
+SLURM_SECONDS ?= 570
+slurm: environment
+	@GAINSAY_SLURM=$(SLURM_SECONDS) $(RUN) pytest -n 0 -m slow -rs tests/end_to_end/test_slurm.py
+
 nightly: environment kernels versions
 	@GAINSAY_NIGHT=1 $(RUN) pytest -n 2 -m slow tests/known/test_proof_changes.py tests/gainsay/test_tables_damage.py \
 	  tests/gainsay/test_results_damage.py tests/papers/test_assumed_inputs.py
-	@GAINSAY_SLURM=1 $(RUN) pytest -n 0 -m slow -rs tests/end_to_end/test_slurm.py
 
 clean:
 	@rm -rf results/*/ results/.checked results/*.html results/*.json results/*.csv results/*.log

@@ -6,13 +6,13 @@ tables are as they were.
 """
 
 import argparse
-import ast
 import hashlib
 import sys
 from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from types import CodeType
 from typing import TYPE_CHECKING
 
 from gainsay.errors import InputError, one_of
@@ -36,18 +36,29 @@ _DIGITS = 16
 
 @cache
 def _code(path: Path) -> str:
-    """Return the code of a module without what does nothing: comments, docstrings, layout."""
-    tree = ast.parse(path.read_bytes())
-    for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        if (
-            isinstance(body, list)
-            and body
-            and isinstance(body[0], ast.Expr)
-            and isinstance(body[0].value, ast.Constant)
-        ):
-            node.body = body[1:]  # type: ignore[attr-defined]  # whatever has a body takes another
-    return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+    """Return what a module does, without what does nothing: comments, docstrings, layout.
+
+    Raises
+    ------
+    SyntaxError
+        If it cannot be parsed.
+    """
+    # level 2 leaves out docstrings, and asserts, which change no number
+    compiled = compile(path.read_bytes(), path.name, "exec", dont_inherit=True, optimize=2)
+    return hashlib.sha256(repr(_plain(compiled)).encode()).hexdigest()
+
+
+def _plain(part: object) -> object:
+    """Return a constant of compiled code in a form whose text is the same in every process, code without its lines."""
+    if isinstance(part, CodeType):
+        names = part.co_name, part.co_names, part.co_varnames, part.co_freevars, part.co_cellvars
+        arguments = part.co_argcount, part.co_posonlyargcount, part.co_kwonlyargcount, part.co_flags
+        return names, arguments, part.co_code, part.co_exceptiontable, _plain(part.co_consts)
+    if isinstance(part, tuple):
+        return tuple(map(_plain, part))
+    if isinstance(part, frozenset):  # its order differs from process to process
+        return "frozenset", sorted(repr(_plain(one)) for one in part)
+    return part
 
 
 def plan_digest(case: Case, row: Campaign) -> str:

@@ -9,7 +9,7 @@ import ast
 import csv
 import hashlib
 import io
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -37,6 +37,9 @@ COLUMNS = {
     "quantities.csv": ("id", "unit", "step"),
 }
 
+#: what holds statements, in statements of every kind
+_BODIES = ("body", "handlers", "orelse", "finalbody", "cases")
+
 
 def _file(root: Path, module: str) -> Path | None:
     """Return the file of a module of the library or of a paper, or None."""
@@ -58,12 +61,22 @@ def _file(root: Path, module: str) -> Path | None:
 def _imported(path: Path) -> frozenset[str]:
     """Return every module that a file may import, at its top or inside a function."""
     found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in _statements(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found |= {name.name for name in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
             found |= {node.module, *(f"{node.module}.{name.name}" for name in node.names)}
     return frozenset(found)
+
+
+def _statements(tree: ast.Module) -> Iterator[ast.AST]:
+    """Yield the statements of a module, those inside others too: imports stand nowhere else, and few nodes are these."""
+    waiting: list[ast.AST] = [tree]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        for part in _BODIES:
+            waiting += getattr(node, part, ())
 
 
 def closure(root: Path, modules: Iterable[str]) -> list[Path]:
