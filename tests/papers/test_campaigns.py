@@ -1,5 +1,8 @@
 """The campaigns of the papers: rows and modules fit, and their expansions hold against the plants themselves."""
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,6 +33,34 @@ def test_a_digest_changes_with_the_tables_and_not_with_the_chunks():
     assert plan_digest(case, row) != plan_digest(case, row.model_copy(update={"seed": "1"}))
     changed = case.parameters["J10"].model_copy(update={"value": "1"})
     assert plan_digest(case, row) != plan_digest(replace(case, parameters={**case.parameters, "J10": changed}), row)
+
+
+def test_the_digest_of_code_is_that_of_what_it_does(tmp_path):
+    from gainsay.steps.campaign import _code
+
+    text = 'def f(x):\n    return x in {"a", "b", 2.5}\n'
+    same = ('"""Module."""\n\n\n' + text.replace("\n    return", '\n    """Say."""\n    # why\n    return'), text)
+    changed = (text.replace("2.5", "2.50001"), text.replace("{", "[").replace("}", "]"), text.replace(" in ", " not in "))
+    digests = []
+    for number, content in enumerate((*same, *changed)):
+        path = tmp_path / f"{number}.py"
+        path.write_text(content)
+        digests.append(_code(path))
+    assert digests[0] == digests[1]
+    assert len(set(digests)) == 4
+
+
+def test_the_digest_of_code_is_the_same_in_every_process():
+    """The order of a set of texts differs from process to process."""
+    command = f"from gainsay.steps.campaign import _code; from pathlib import Path; print(_code(Path({__file__!r})))"
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", command], env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, check=True
+        ).stdout
+        for seed in ("1", "2", "3")
+    }
+    assert len(found) == 1
+    assert "a" in {"a", "b", "c"}  # so that there is one in this file
 
 
 @pytest.fixture(scope="module")

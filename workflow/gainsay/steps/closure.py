@@ -70,7 +70,7 @@ def _imported(path: Path) -> frozenset[str]:
 
 
 def _statements(tree: ast.Module) -> Iterator[ast.AST]:
-    """Yield the statements of a module, those inside others too: imports stand nowhere else, and few nodes are these."""
+    """Yield the statements of a module, those inside others too: imports stand nowhere else."""
     waiting: list[ast.AST] = [tree]
     while waiting:
         node = waiting.pop()
