@@ -249,8 +249,8 @@ def test_a_campaign_through_slurm_is_that_of_this_machine_to_the_byte(cluster, p
     srun = tmp_path / "bin/srun"
     srun.write_text(f'#!/bin/sh\nSLURM_CONF={cluster.place}/slurm.conf exec {shutil.which("srun")} "$@"\n')
     srun.chmod(0o755)
-    paths = {"PYTHONPATH": f"{plugin}:{os.environ.get('PYTHONPATH', '')}", "PATH": f"{tmp_path}/bin:{os.environ['PATH']}"}
-    env = {**cluster.env, **paths}
+    before = {"PYTHONPATH": plugin, "PATH": tmp_path / "bin"}
+    env = {**cluster.env, **{name: f"{first}:{os.environ.get(name, '')}" for name, first in before.items()}}
     command = [
         *snakemake, "--profile", str(ROOT / "workflow/profiles/slurm"), "--jobs", "2", "--group-components", "chunks=3",
         "--slurm-no-account", "--slurm-init-seconds-before-status-checks", "2", "--seconds-between-status-checks", "2",

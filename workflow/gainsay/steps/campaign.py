@@ -1,8 +1,8 @@
 """Evaluate one chunk of a campaign, or gather all: what the workflow runs, here or on a cluster.
 
 A chunk stands in a folder named by a digest of all that its numbers depend on: the tables, the code as it is imported
-(comments and docstrings aside) and the libraries. Results of other tables are never mixed, and are there again when the
-tables are as they were.
+(comments and the words of docstrings aside) and the libraries. Results of other tables are never mixed, and are there
+again when the tables are as they were.
 """
 
 import argparse
@@ -36,7 +36,7 @@ _DIGITS = 16
 
 @cache
 def _code(path: Path) -> str:
-    """Return what a module does, without what does nothing: comments, docstrings, layout.
+    """Return what a module does, without what does nothing: comments, the words of docstrings, layout.
 
     Raises
     ------
