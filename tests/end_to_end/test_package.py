@@ -65,7 +65,12 @@ def test_a_new_project_outside_the_repository_is_green_at_once(built, tmp_path):
     run(UV, "pip", "install", "--quiet", "--python", tmp_path / "venv/bin/python", "--constraint",
         ROOT / "requirements.lock", f"gainsay[workflow,view] @ {wheel.as_uri()}", cwd=tmp_path)  # fmt: skip
     commands, project = tmp_path / "venv/bin", tmp_path / "own"
+    (project / "wheels").mkdir(parents=True)
+    shutil.copy(wheel, project / "wheels")
     run(commands / "gainsay", "new", "--project", project, "toy2001", cwd=tmp_path)
+    run(UV, "pip", "install", "--quiet", "--python", tmp_path / "venv/bin/python", "--constraint",
+        ROOT / "requirements.lock", "--reinstall-package", "gainsay", "--requirement", "requirements.txt",
+        cwd=project)  # fmt: skip
     run(commands / "gainsay", "lint", cwd=project)
     run(commands / "snakemake", "--cores", "2", cwd=project)  # not activated
     assert "toy2001: a draft" in run(commands / "gainsay", "check", cwd=project)

@@ -72,7 +72,10 @@ def test_check_names_every_difference_and_exits_with_1(project, capsys):
     said = capsys.readouterr().out
     assert "toy  verdict length: expected reproduced, found failed" in said
     assert "toy  file logs/nominal.mcap: expected present, found missing" in said
+    assert "report.files.csv" in said  # what all papers share is asked for
     assert not (project.root / "results" / "differences.csv").exists()  # the last word writes nothing
+    assert command(project, "check", "toy") == 1
+    assert "report.files.csv" not in capsys.readouterr().out  # of a paper by its name, it is not
 
 
 def test_check_in_brief_names_a_few_and_counts_the_rest(project, capsys):

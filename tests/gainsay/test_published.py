@@ -78,7 +78,7 @@ def test_the_line_on_the_record_says_whether_a_verdict_differs():
     numbers = [("toy", "quantity", "a", "1", "2", ""), ("toy", "quantity", "b", "1", "2", "")]
     assert record_sentence(numbers) == "2 numbers of toy differ from the record, no verdict does"
     line = record_sentence([*numbers, ("other", "verdict", "c", "reproduced", "contradicted", "")])
-    assert line == "2 numbers of toy and 1 verdict of other differ from the record, 1 verdict among them"
+    assert line == "2 numbers of toy and 1 verdict of other differ from the record"
     assert record_sentence([("toy", "verdict", "c", "", "", "")] * 2) == "2 verdicts of toy differ from the record"
     assert record_line(numbers).endswith("details: results/differences.csv; `gainsay record` accepts")
 

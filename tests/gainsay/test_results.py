@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gainsay.errors import CertificateError, ComputationError, InputError, LogError
+from gainsay.proof.build import certificate
 from gainsay.results import Results, run_tasks, task
 from gainsay.results.listing import damage
 from gainsay.results.returned import read_part
@@ -299,3 +300,35 @@ def test_a_note_that_json_does_not_know_does_not_stop_the_step(project):
     (kept,) = json.loads((case.results / "attempts" / "audit.json").read_text())
     assert kept["content"]["matrix"] == [[1, 0], [0, 1]]
     assert kept["content"]["flag"] is True
+
+
+@pytest.mark.parametrize(
+    ("fields", "value", "ends"),
+    [
+        ({"formula": "3/5 * 5"}, 3.0, (3.0, 3.0)),
+        ({"formula": "3/5 * 5", "low": "2", "high": "4"}, 3.0, (3.0, 3.0)),
+        ({"formula": "interval(1, 2)", "high": "4"}, 2.0, (1.0, 2.0)),
+    ],
+)
+def test_a_number_proved_to_the_point_keeps_its_ends(project, fields, value, ends):
+    """Values by hand: 3/5 of 5 is 3, and nothing between 1 and 2 is nearer to 4 than 2."""
+    case = project.case()
+    results = Results(case, "audit")
+    parts = {"id": "length", "paper": "toy", "statement": "s", "tables": case, "quantities": {"value": "audit.length"}}
+    results.prove(certificate("enclosed", fields=fields, **parts))
+    results.close()
+    (row,) = rows(case, "quantities")
+    found = [float(row[column]) for column in ("value", "lower", "upper")]
+    assert found == pytest.approx([value, *ends], rel=1e-8)  # a ball of an interval is a little wider
+
+
+def test_what_holds_has_no_ends(project):
+    case = project.case()
+    results = Results(case, "audit")
+    parts = {"id": "holds", "paper": "toy", "statement": "s", "tables": case}
+    results.prove(
+        certificate("definite", fields={"constraint": "2 > 1"}, quantities={"definite": "audit.holds"}, **parts)
+    )
+    results.close()
+    (row,) = rows(case, "quantities")
+    assert (row["value"], row["lower"], row["upper"]) == ("1.0", "", "")

@@ -59,13 +59,14 @@ def check(options: argparse.Namespace) -> int:
     cases = [read_case(options.root, paper) for paper in _papers(options.root, options.papers)]
     found = differing(cases)
     rest = [paper for paper in paper_names(options.root) if paper not in {case.name for case in cases}]
-    if not rest:
+    if not options.papers:
         found += shared_differences(options.root)
     for line in summary(row for case in cases for row in _published(case)):
         print(line)
     shown = found[:MOST_LINES] if options.brief else found
-    for paper, what, item, expected, value, _ in shown:
-        print(f"{paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}"[:LONGEST])
+    for paper, what, item, expected, value, note in shown:
+        line = f"{paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}"
+        print((f"{line}: {note}" if note else line)[:LONGEST])
     if len(found) > len(shown):
         print(f"and {len(found) - len(shown)} more, which `gainsay check` names")
     if options.junit is not None:
@@ -116,7 +117,7 @@ def new(options: argparse.Namespace) -> int:
         folder = new_paper(options.root, options.id)
     else:
         folder = new_project(options.project.resolve(), options.id)
-    print(f"{folder}: a worked example; next: gainsay lint, snakemake --cores 2, gainsay record")
+    print(f"{folder}: a worked example; next: gainsay lint, snakemake --cores 2, gainsay check")
     if find_spec("snakemake") is None:
         print(f"snakemake is not installed here: it comes with {missing_extra('snakemake')}")
     return CLEAN

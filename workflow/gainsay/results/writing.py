@@ -237,7 +237,8 @@ class Results:
         source : str, optional
             Equation or sentence behind the quantities.
         values : mapping of str to float, optional
-            Computed value of a quantity of which the certificate proves ends; without one the end is the value.
+            Computed value of a quantity of which the certificate proves ends; without one it is the level that was
+            asked for, or the end nearest to it.
 
         Raises
         ------
@@ -246,24 +247,27 @@ class Results:
         """
         self.certificate(certificate)
         ends: dict[str, list[tuple[float, float]]] = {}
-        nearest: dict[str, float] = {}
+        levels: dict[str, float] = {}
+        numbers: set[str] = set()
         for conclusion in certificate.conclusions:
             if conclusion.quantity:
                 ends.setdefault(conclusion.quantity, []).append(proved_ends(conclusion))
-                if conclusion.value is not None and ".." not in conclusion.value:
-                    nearest[conclusion.quantity] = float(Fraction(conclusion.value))
+                if conclusion.value is not None:
+                    numbers.add(conclusion.quantity)
+                    if ".." not in conclusion.value:
+                        levels[conclusion.quantity] = float(Fraction(conclusion.value))
         if not ends:
             raise ComputationError(certificate.id, "concludes on no quantity")
         for quantity, found in ends.items():
             lower, upper = max(low for low, _ in found), min(high for _, high in found)
-            proved = [end for end in (upper, lower) if math.isfinite(end)]
+            level = levels.get(quantity, upper if math.isfinite(upper) else lower)
             self.quantity(
                 quantity,
-                (values or {}).get(quantity, nearest.get(quantity, proved[0] if proved else math.nan)),
+                (values or {}).get(quantity, min(max(level, lower), upper)),
                 method=f"certificate {certificate.id}, kind {certificate.kind}",
                 source=source,
-                lower=lower if math.isfinite(lower) and lower != upper else None,
-                upper=upper if math.isfinite(upper) and lower != upper else None,
+                lower=lower if math.isfinite(lower) and quantity in numbers else None,
+                upper=upper if math.isfinite(upper) and quantity in numbers else None,
             )
 
     def undecided(self, quantity: str, reason: str, *, source: str = "") -> None:

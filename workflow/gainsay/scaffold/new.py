@@ -15,6 +15,8 @@ from gainsay.tables.models import TABLES, columns
 _HERE = Path(__file__).resolve().parent
 #: name under which the example stands in its own modules
 _EXAMPLE = "example"
+#: what a folder may hold before a project is made in it
+_BEFOREHAND = {".git", ".venv", "wheels"}
 #: file of a project -> its template
 _PROJECT = {
     "Snakefile": "Snakefile",
@@ -102,10 +104,10 @@ def new_project(root: Path, name: str) -> Path:
     Raises
     ------
     InputError
-        If the folder holds anything but a project's ``.git`` and ``.venv``, or the name is none for a paper.
+        If the folder holds more than ``.git``, ``.venv`` and ``wheels``, or the name is none for a paper.
     """
     checked_name(name)
-    found = sorted(path.name for path in root.glob("*") if path.name not in (".git", ".venv")) if root.exists() else []
+    found = sorted({path.name for path in root.glob("*")} - _BEFOREHAND)
     if found:
         raise InputError("new project", file=str(root), value=found[0], expected="an empty folder")
     root.mkdir(parents=True, exist_ok=True)

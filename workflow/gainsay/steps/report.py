@@ -78,7 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for lost in found.missing:
             print(f"{found.case.name}  report      {lost}")
     claims = sum(len(found.verdicts) for found in papers)
-    print(f"report      {claims} verdicts of {len(papers)} papers, see results/index.html")
+    print(f"report      {claims} verdicts of {len(papers)} paper{'s'[: len(papers) > 1]}, see results/index.html")
     return CLEAN
 
 

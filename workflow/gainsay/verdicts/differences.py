@@ -32,7 +32,8 @@ def _quantity_differences(case: Case) -> Iterator[Difference]:
     found = {row["quantity"]: row for row in read_returned(case.results / "quantities.csv", case.root)}
     for quantity in case.quantities:
         if quantity not in found:
-            yield case.name, "quantity", quantity, "computed", "", "declared in quantities.csv"
+            step = case.quantities[quantity].step
+            yield case.name, "quantity", quantity, "a value", "", f"the step {step} gives it none; a scan alone is none"
             continue
         recorded, row = case.recorded.get(quantity), found[quantity]
         if recorded is None:

@@ -188,12 +188,9 @@ def record_sentence(differences: Sequence[Sequence[str]]) -> str:
         ", ".join(_several(count, _NOUNS.get(what, what)) for what, count in found.items()) + f" of {paper}"
         for paper, found in papers.items()
     ]
-    verdicts = sum(found["verdict"] for found in papers.values())
     verb = "differs" if len(differences) == 1 else "differ"
     said = f"{' and '.join(parts)} {verb} from the record"
-    if verdicts == len(differences):
-        return said
-    return f"{said}, {_several(verdicts, 'verdict')} among them" if verdicts else f"{said}, no verdict does"
+    return said if any(found["verdict"] for found in papers.values()) else f"{said}, no verdict does"
 
 
 def record_line(differences: Sequence[Sequence[str]]) -> str:
