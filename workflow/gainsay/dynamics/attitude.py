@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gainsay.errors import InputError
-from gainsay.exact.floats import real_array
+from gainsay.exact.floats import real_array, real_number, real_row
 
 #: numbers in a row
 Vector = Sequence[float] | np.ndarray
@@ -26,11 +26,6 @@ def _cosine_and_sine(angle: float) -> tuple[float, float]:
     """Cosine and sine of an angle in rad; not a number where the angle is none, such as that of a step that fails."""
     angle = float(angle)
     return (math.cos(angle), math.sin(angle)) if math.isfinite(angle) else (math.nan, math.nan)
-
-
-def _require_count(values: Vector, count: int, field: str) -> None:
-    if len(values) != count:
-        raise InputError(field=field, value=len(values), expected=f"{count} numbers")
 
 
 def direction_cosines(angles: Vector) -> np.ndarray:
@@ -46,8 +41,7 @@ def direction_cosines(angles: Vector) -> np.ndarray:
     ndarray, shape (3, 3)
         Columns are the LVLH axes in body components.
     """
-    _require_count(angles, 3, "angles")
-    (cf, sf), (ct, st), (cp, sp) = map(_cosine_and_sine, angles)
+    (cf, sf), (ct, st), (cp, sp) = map(_cosine_and_sine, real_row(angles, 3, "angles"))
     return np.array(
         [
             [ct * cp, ct * sp, -st],
@@ -65,8 +59,7 @@ def rate_matrix(angles: Vector) -> np.ndarray:
     angles : array_like, shape (3,)
         phi, theta, psi in rad.
     """
-    _require_count(angles, 3, "angles")
-    (cf, sf), (ct, st) = map(_cosine_and_sine, angles[:2])
+    (cf, sf), (ct, st) = map(_cosine_and_sine, real_row(angles, 3, "angles")[:2])
     return np.array([[1, 0, -st], [0, cf, sf * ct], [0, -sf, cf * ct]])
 
 
@@ -85,7 +78,8 @@ def rate_body(angles: Vector, angle_rates: Vector, n: float) -> np.ndarray:
     ndarray, shape (3,)
         rad/s.
     """
-    return rate_matrix(angles) @ np.asarray(angle_rates, dtype=float) - n * direction_cosines(angles)[:, 1]
+    orbital = real_number(n, "n") * direction_cosines(angles)[:, 1]
+    return rate_matrix(angles) @ real_row(angle_rates, 3, "angle_rates") - orbital
 
 
 def euler_rates(angles: Vector, omega: Vector, n: float) -> np.ndarray:
@@ -103,11 +97,12 @@ def euler_rates(angles: Vector, omega: Vector, n: float) -> np.ndarray:
     InputError
         Within 1e-9 rad of gimbal lock, pitch at 90 deg.
     """
-    _require_count(angles, 3, "angles")
+    angles = real_row(angles, 3, "angles")
     (cf, sf), (ct, st) = map(_cosine_and_sine, angles[:2])
     if abs(ct) < 1e-9:
         raise InputError("Euler angles at gimbal lock", field="theta", value=float(angles[1]), expected="not 90 deg")
-    x, y, z = (np.asarray(omega, dtype=float) + n * direction_cosines(angles)[:, 1]).tolist()
+    orbital = real_number(n, "n") * direction_cosines(angles)[:, 1]
+    x, y, z = (real_row(omega, 3, "omega") + orbital).tolist()
     # the rows of `rate_matrix` solved from below
     yaw = (y * sf + z * cf) / ct
     return np.array([x + st * yaw, y * cf - z * sf, yaw])
@@ -171,7 +166,7 @@ def gravity_gradient(inertia: ArrayLike, angles: Vector, n: float) -> np.ndarray
     """
     J = _body(inertia)
     nadir = direction_cosines(angles)[:, 2]
-    return 3 * n**2 * cross(nadir, (J * nadir) if J.ndim == 1 else J @ nadir)
+    return 3 * real_number(n, "n") ** 2 * cross(nadir, (J * nadir) if J.ndim == 1 else J @ nadir)
 
 
 def derivative(
@@ -203,12 +198,11 @@ def derivative(
     Raises
     ------
     InputError
-        If it is no inertia of a rigid body, or a count is wrong. What is no number gives what is none.
+        If it is no inertia of a rigid body, a count is wrong or an entry is a text; nan gives nan.
     """
-    _require_count(state, 6, "state")
-    _require_count(torque, 3, "torque")
-    angles, omega = np.asarray(state[:3], dtype=float), np.asarray(state[3:6], dtype=float)
+    state, torque = real_row(state, 6, "state"), real_row(torque, 3, "torque")
+    angles, omega = state[:3], state[3:]
     J = _body(inertia)
     momentum = J * omega if J.ndim == 1 else J @ omega
-    moment = gradient(inertia, angles, n) + np.asarray(torque, dtype=float) - cross(omega, momentum)
+    moment = gradient(inertia, angles, n) + torque - cross(omega, momentum)
     return np.concatenate([euler_rates(angles, omega, n), moment / J if J.ndim == 1 else np.linalg.solve(J, moment)])

@@ -15,6 +15,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -108,9 +109,8 @@ class KeplerOrbit:
 
     def radius(self, true_anomaly: float) -> float:
         """Distance from the Earth's centre, m; InputError where the true anomaly is no finite angle."""
-        if not math.isfinite(true_anomaly):
-            raise InputError("", field="true_anomaly", value=true_anomaly, expected="a finite angle, rad")
-        return self.semi_latus_rectum / (1 + self.eccentricity * math.cos(true_anomaly))
+        angle = real_number(true_anomaly, "true_anomaly")
+        return self.semi_latus_rectum / (1 + self.eccentricity * math.cos(angle))
 
     def frame_motion(self, true_anomaly: float) -> tuple[float, float, float]:
         """Return radius (m), angular rate (rad/s) and angular acceleration (rad/s^2) of the LVLH frame."""
@@ -129,6 +129,17 @@ class KeplerOrbit:
         return radius * direction, velocity
 
 
+def _triple(values: Iterable[Any], field: str) -> tuple[Any, Any, Any]:
+    """Three numbers, or three arrays of them; nan passes, as a trial step of an integrator may hold it."""
+    try:
+        x, y, z = values
+    except (TypeError, ValueError) as error:
+        raise InputError("", field=field, value=type(values).__name__, expected="three numbers or arrays") from error
+    if not all(isinstance(part, Real | np.ndarray) for part in (x, y, z)):
+        raise InputError("", field=field, value=(x, y, z), expected="three numbers or arrays")
+    return x, y, z
+
+
 def differential_gravity(
     gravitational_parameter: float, radius: float, x: float, y: float, z: float
 ) -> tuple[float, float, float]:
@@ -143,12 +154,21 @@ def differential_gravity(
     x, y, z : float or ndarray
         Position of the chaser in LVLH, m; arrays of one shape for many chasers.
 
+    Raises
+    ------
+    InputError
+        If the first two are not positive, the position is none, or the chaser stands in the Earth's centre.
+
     Notes
     -----
     With q = d . (d + 2 r) / r^2 and f = (1 + q)^(3/2) - 1 = q (3 + 3 q + q^2) / (1 + (1 + q)^(3/2)) the difference is
     -mu / (r^3 (1 + f)) (d - f r).
     """
+    _require_positive(gravitational_parameter=gravitational_parameter, radius=radius)
+    x, y, z = _triple((x, y, z), "position")
     q = (x * (x + 2 * radius) + y * y + z * z) / radius**2
+    if not isinstance(q, np.ndarray) and 1 + q <= 0:
+        raise InputError("", field="position", value=(x, y, z), expected="a place away from the Earth's centre")
     cube = (1 + q) * (np.sqrt(1 + q) if isinstance(q, np.ndarray) else math.sqrt(1 + q))
     f = q * (3 + 3 * q + q * q) / (1 + cube)
     factor = -gravitational_parameter / (radius**3 * cube)
@@ -169,9 +189,14 @@ def relative_acceleration(
         Of the target, rad.
     position, velocity : 3 floats or 3 arrays of one shape
         Of the chaser, or of many, relative to the target, in the rotating frame, m and m/s.
+
+    Raises
+    ------
+    InputError
+        If the anomaly, the position or the velocity is none.
     """
-    x, y, z = position
-    vx, vy, _ = velocity
+    x, y, z = _triple(position, "position")
+    vx, vy, _ = _triple(velocity, "velocity")
     radius, rate, spin = orbit.frame_motion(true_anomaly)
     gx, gy, gz = differential_gravity(orbit.gravitational_parameter, radius, x, y, z)
     return (

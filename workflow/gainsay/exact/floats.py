@@ -8,7 +8,7 @@ import numpy as np
 
 from gainsay.errors import InputError
 
-__all__ = ["real_array", "real_number"]
+__all__ = ["real_array", "real_number", "real_row"]
 
 
 def real_array(value: Any, field: str, *, finite: bool = True) -> np.ndarray:
@@ -29,13 +29,30 @@ def real_array(value: Any, field: str, *, finite: bool = True) -> np.ndarray:
     """
     try:
         raw = np.asarray(value)
-        if raw.dtype.kind not in "biufO":
+        if raw.dtype.kind not in "biufO" or (raw.dtype == object and any(_is_none(x) for x in raw.flat)):
             raise TypeError(raw.dtype)
         array = raw.astype(float)
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError("", field=field, value=type(value).__name__, expected="an array of real numbers") from error
     if finite and not np.isfinite(array).all():
         raise InputError("", field=field, value=array.tolist(), expected="finite entries")
+    return array
+
+
+def _is_none(value: Any) -> bool:
+    return value is None or isinstance(value, str | bytes)
+
+
+def real_row(value: Any, count: int, field: str) -> np.ndarray:
+    """So many doubles, nan and infinite ones too; refused as `real_array` does, and in no time where it is one already.
+
+    For right-hand sides, which are asked many thousand times, and whose trial steps may have left every range.
+    """
+    if type(value) is np.ndarray and value.dtype == float and value.shape == (count,):
+        return value
+    array = real_array(value, field, finite=False)
+    if array.shape != (count,):
+        raise InputError("", field=field, value=array.shape, expected=f"{count} numbers")
     return array
 
 

@@ -17,6 +17,8 @@ import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.exact.floats import real_array, real_number
+from gainsay.simulation.ode import Guarded
 
 #: f(t, states (m, n)) -> slopes (m, n)
 Slopes = Callable[[float, np.ndarray], np.ndarray]
@@ -81,24 +83,33 @@ def segments(
     Raises
     ------
     InputError
-        If there is no flight, or a length or the end is not positive.
+        If there is no flight, a length, the end or a tolerance is not positive, or the slopes are no numbers.
     ComputationError
-        If the integrator gives up or a state is no number, with the time.
+        If the integrator gives up or stands still, or a slope is no number, with the time.
     """
-    starts = np.asarray(starts, dtype=float)
-    if starts.ndim != 2 or not starts.size or not (end > 0 and length > 0):
-        raise InputError("flights", value=(starts.shape, end, length), expected="starts (m, n), positive times")
+    starts, atol = real_array(starts, "starts"), real_array(atol, "atol")
+    if starts.ndim != 2 or not starts.size:
+        raise InputError("flights", field="starts", value=starts.shape, expected="shape (m, n)")
+    for name, value in (("end", end), ("length", length), ("rtol", rtol)):
+        if not real_number(value, name) > 0:
+            raise InputError("flights", field=name, value=value, expected="above 0")
+    if atol.shape != starts.shape[1:] or not (atol >= 0).all():
+        raise InputError("flights", field="atol", value=atol.tolist(), expected="one number a state, >= 0")
     shape, share = starts.shape, 1 / np.sqrt(len(starts))
-    flat_atol = np.tile(share * np.asarray(atol, dtype=float), len(starts))
+    flat_atol = np.tile(share * atol, len(starts))
 
     def flat(t: float, state: np.ndarray) -> np.ndarray:
-        return slopes(t, state.reshape(shape)).ravel()
+        given = np.asarray(slopes(t, state.reshape(shape)))
+        if given.shape != shape:
+            raise InputError("flights", field="slopes", value=given.shape, expected=f"shape {shape}")
+        return given.ravel()
 
+    guarded = Guarded(flat, starts.size, end)
     time, state, first = 0.0, starts.ravel(), None
     while time < end:
         stop = min(time + length, end)
         found = solve_ivp(
-            flat,
+            guarded,
             (time, stop),
             state,
             "DOP853",

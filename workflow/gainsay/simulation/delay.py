@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.exact.floats import real_array
+from gainsay.exact.floats import real_array, real_number
 from gainsay.simulation.delay_steps import Collocation, Reading, Steps
 
 # intervals prepared at once; the first ones, between close breakpoints, see many rows
@@ -34,15 +34,30 @@ class DelayLaw:
         Bound d_M: 0 <= d(t) <= high.
     rate : float
         Bound mu on d'(t), below 1, so that t - d(t) increases.
+
+    Raises
+    ------
+    InputError
+        If a bound is no finite number, the first negative or the second not below 1.
     """
 
     value: Callable[[np.ndarray], np.ndarray]
     high: float
     rate: float
 
+    def __post_init__(self) -> None:
+        if not real_number(self.high, "high") >= 0:
+            raise InputError("", field="high", value=self.high, expected="a finite time >= 0 s")
+        if not real_number(self.rate, "rate") < 1:
+            raise InputError("", field="rate", value=self.rate, expected="below 1")
+
     def __call__(self, t: np.ndarray | float) -> np.ndarray:
-        """Delay at t, s."""
-        return np.asarray(self.value(np.asarray(t, dtype=float)), dtype=float)
+        """Delay at t, s; InputError where the law does not give one number a time."""
+        times = np.asarray(t, dtype=float)
+        delays = real_array(self.value(times), "delay", finite=False)
+        if delays.shape != times.shape:
+            raise InputError("", field="delay", value=delays.shape, expected="one number a time")
+        return delays
 
     def check(self, times: np.ndarray) -> None:
         """Refuse a law that leaves [0, high] or grows faster than its rate on an increasing grid.
@@ -57,14 +72,11 @@ class DelayLaw:
         InputError
             Naming the first time at which a bound is broken, to the grid's resolution and then bisected.
         """
-        if not (np.isfinite(self.high) and self.high >= 0):
-            raise InputError("", field="high", value=self.high, expected="a finite time >= 0 s")
-        if not self.rate < 1:
-            raise InputError("", field="rate", value=self.rate, expected="below 1")
         slack = 4e-16 * (1 + self.high)
         delays = self(times)
-        if delays.shape != times.shape or not np.all(np.isfinite(delays)):
-            raise InputError("a delay law gives one finite number a time", field="delay", value=delays.shape)
+        if not np.isfinite(delays).all():
+            lost = float(times[~np.isfinite(delays)][0])
+            raise InputError(f"delay at t = {lost:.9g} s", field="d", value="not finite", expected="a finite time")
         low, high = delays < -slack, delays > self.high + slack
         # A chord steeper than the rate proves that d' exceeds it somewhere between; rounding of t is allowed for.
         rounding = 1e-15 * (1 + np.abs(times[1:]))
@@ -150,8 +162,10 @@ class DelaySolution:
         return self._evaluate(times, derivative=True)
 
     def _evaluate(self, times: np.ndarray, derivative: bool) -> np.ndarray:
-        times = np.atleast_1d(np.asarray(times, dtype=float))
-        if times.size and not times.max() <= self.mesh[-1] * (1 + 1e-12):
+        times = np.atleast_1d(real_array(times, "time", finite=False))
+        if times.ndim > 1:
+            raise InputError("", field="time", value=times.shape, expected="a time, or a list of times")
+        if times.size and not times.max() <= self.mesh[-1] + 1e-12 * np.abs(self.mesh[[0, -1]]).max():
             raise InputError("", field="time", value=float(times.max()), expected=f"at most {self.mesh[-1]:g} s")
         k = np.clip(np.searchsorted(self.mesh, times, side="right") - 1, 0, len(self.mesh) - 2)
         h = self.mesh[k + 1] - self.mesh[k]
@@ -220,9 +234,13 @@ def delay_mesh(
     steps : ndarray, shape (m,)
         Nominal steps: equal ones are equal to the last bit, which differences of the mesh are not.
     """
-    if not (np.isfinite([start, end, step]).all() and end > start and step > 0):
+    start, end, step = (real_number(v, n) for v, n in ((start, "start"), (end, "end"), (step, "step")))
+    if not (end > start and step > 0):
         raise InputError("", field="start, end, step", value=(start, end, step), expected="start < end, step > 0")
-    origins = [start, *sorted(real_array(list(jumps), "jumps").tolist())]
+    kinks = real_array(jumps, "jumps")
+    if kinks.ndim != 1:
+        raise InputError("", field="jumps", value=kinks.shape, expected="a list of times")
+    origins = [start, *sorted(kinks.tolist())]
     if not all(start <= t <= end for t in origins):
         raise InputError("", field="jumps", value=origins[1:], expected=f"times within {start:g}..{end:g} s")
     points = [start, *(t for t in law.breakpoints(start, 2 * stages + 1) if t < end), end]
@@ -302,9 +320,12 @@ def simulate_delay(
     ends = [0, *range(min(_FIRST, len(h)), len(h), _CHUNK), len(h)]
     for first, last in pairwise(ends):
         block = slice(first, last)
-        f = np.zeros((last - first, stages, n)) if forcing is None else forcing(times[block].ravel())
-        if np.size(f) != (last - first) * stages * n:
-            raise InputError("", field="forcing", value=np.shape(f), expected=f"shape (k, {n}) at k times")
+        f = np.zeros(((last - first) * stages, n))
+        if forcing is not None:
+            given = real_array(forcing(times[block].ravel()), "forcing")
+            if given.shape != f.shape:
+                raise InputError("", field="forcing", value=given.shape, expected=f"shape (k, {n}) at k times")
+            f = given
         steps = Steps.of(A, Bd, Cd, rule, h[block], f.reshape(last - first, stages, n), reading[block])
         steps.run(rows[history + first - steps.depth : history + last])
         slopes[block] = steps.slopes(rows[history + first - steps.depth : history + last - 1])

@@ -75,10 +75,16 @@ class Response:
 
     def at(self, time: float) -> np.ndarray:
         """State at any time of 0..end, by the exponential from the sample before it; InputError for any other."""
-        if not -1e-9 * self.end <= time <= (1 + 1e-9) * self.end:
+        if not -1e-9 * self.end <= real_number(time, "time") <= (1 + 1e-9) * self.end:
             raise InputError("response", field="time", value=time, expected=f"0..{self.end:g} s")
         index = int(np.clip(time / self.end * (len(self.time) - 1), 0, len(self.time) - 1))
         return expm(self.A * (time - self.time[index])) @ self.states[index]
+
+    def _row(self, output: np.ndarray) -> np.ndarray:
+        output = real_array(output, "output")
+        if output.shape != (len(self.A),):
+            raise InputError("", field="output", value=output.shape, expected=f"shape ({len(self.A)},)")
+        return output
 
     def peak(self, output: np.ndarray, above: float = 0.0) -> Peak:
         """Locate the largest modulus of a linear output c x over continuous time.
@@ -94,6 +100,7 @@ class Response:
         -------
         Peak
         """
+        output, above = self._row(output), real_number(above, "above")
         slope_of = output @ self.A
         values, slopes = self.states @ output, self.states @ slope_of
         sizes = np.abs(values)
@@ -139,8 +146,9 @@ class Response:
 
     def last_above(self, output: np.ndarray, level: float) -> float:
         """Time after which |c x| stays below a level up to the end; the end itself where it never settles."""
+        output = self._row(output)
         values = np.abs(self.states @ output)
-        above = np.flatnonzero(values >= level)
+        above = np.flatnonzero(values >= real_number(level, "level"))
         if len(above) == 0:
             return 0.0
         i = int(above[-1])
@@ -171,12 +179,22 @@ def with_harmonics(
         The further states are sin, cos of every rate, then one.
     start : ndarray
         Start of the further states at time 0.
+
+    Raises
+    ------
+    InputError
+        If an entry is not finite or shapes do not fit.
     """
-    n, k = A.shape[0], len(rates)
+    A, shape, turns = real_array(A, "A"), real_array(shape, "shape"), real_array(rates, "rates")
+    amplitude, constant = real_number(amplitude, "amplitude"), real_number(constant, "constant")
+    if turns.ndim != 1 or shape.ndim != 1 or A.shape != (len(shape), len(shape)):
+        sizes = (A.shape, shape.shape, turns.shape)
+        raise InputError("", field="A, shape, rates", value=sizes, expected="shapes (n, n), (n,) and (k,)")
+    n, k = A.shape[0], len(turns)
     whole = np.zeros((n + 2 * k + 1, n + 2 * k + 1))
     whole[:n, :n] = A
     start = np.zeros(2 * k + 1)
-    for i, rate in enumerate(rates):
+    for i, rate in enumerate(turns):
         s = n + 2 * i
         whole[s, s + 1], whole[s + 1, s] = rate, -rate
         whole[:n, s] = amplitude * shape

@@ -6,9 +6,11 @@ References
    section II.10 (DOP853 and its dense output of order 7).
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -16,11 +18,13 @@ from scipy.integrate import OdeSolution, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.exact.floats import real_array, real_number
+from gainsay.exact.floats import real_array, real_number, real_row
 
 Function = Callable[[float, np.ndarray], np.ndarray]
 _NUDGE = 1e-9
 _MAX_KINKS = 10_000
+#: so many kinks within this part of the whole are a solution that slides along one of them
+_SLIDING, _TOGETHER = 200, 1e-6
 #: most corrections of the time of a kink
 _MOST_MOVES = 4
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
@@ -51,13 +55,12 @@ class Trajectory:
 
     def __call__(self, time: np.ndarray | float) -> np.ndarray:
         """Return the states, shape (states,) at a time or (len(time), states) at many; InputError outside the span."""
-        if np.ndim(time) == 0:
-            self._require_inside(np.asarray(time))
-            return self._piece(float(time))(float(time))
-        time = np.asarray(time, dtype=float)
-        if time.ndim != 1:
+        time = real_array(time, "time", finite=False)
+        if time.ndim > 1:
             raise InputError("", field="time", value=time.shape, expected="a time, or a list of times")
         self._require_inside(time)
+        if time.ndim == 0:
+            return self._piece(float(time))(float(time))
         owner = np.clip(np.searchsorted(self.ends, time, side="right") - 1, 0, len(self.pieces) - 1)
         states = np.empty((len(time), self.pieces[0](self.ends[0]).size))
         for index in np.unique(owner):
@@ -113,20 +116,21 @@ def integrate(
     ------
     InputError
         If the start, its derivative or the end is not finite, the end does not lie after zero, a tolerance is not
-        positive, or the method is unknown.
+        positive, the method is unknown, or the right-hand side or a kink gives what is no number.
     ComputationError
-        If the integrator gives up or stands still, or the state ceases to be finite, with the time at which it did.
+        If the integrator gives up or stands still, the state ceases to be finite, or the solution slides along a kink,
+        with the time at which it did.
     """
     _require_start(right_hand_side, start, end)
     _require_tolerances(np.size(start), rtol, atol, method)
-    events = [_event(kink) for kink in kinks] or None
+    kinks = [_Kink(kink) for kink in kinks]
     time, state = 0.0, np.asarray(start, dtype=float)
     ends, pieces, steps = [0.0], [], [np.array([0.0])]
     while time < end:
-        guarded = _Guarded(right_hand_side, end)
+        guarded = Guarded(right_hand_side, np.size(start), end)
         try:
             found = solve_ivp(
-                guarded, (time, end), state, method, rtol=rtol, atol=atol, dense_output=True, events=events
+                guarded, (time, end), state, method, rtol=rtol, atol=atol, dense_output=True, events=kinks or None
             )
         except (ValueError, np.linalg.LinAlgError) as error:  # of matrices that hold an infinite derivative
             if guarded.infinite is None:
@@ -148,9 +152,11 @@ def integrate(
         time, state = float(taken[-1]), reached
         if found.status == 1:
             # One tiny explicit step leaves the kink's zero behind; its error, about 1e-18 f', is below rounding.
-            state = state + _NUDGE * right_hand_side(time, state)
+            state = state + _NUDGE * guarded(time, state)
             time += _NUDGE
         ends.append(min(time, end))
+        if len(pieces) > _SLIDING and time - ends[-_SLIDING] < _TOGETHER * end:
+            raise ComputationError("integration", f"the solution slides along a kink from t = {ends[-_SLIDING]!r} s")
         if len(pieces) > _MAX_KINKS:
             raise ComputationError("integration", f"more than {_MAX_KINKS} kinks before t = {time!r} s")
     return Trajectory(np.array(ends), tuple(pieces), np.concatenate(steps))
@@ -190,11 +196,9 @@ def _require_start(right_hand_side: Function, start: np.ndarray, end: float) -> 
     state = real_array(start, "start")
     if state.ndim != 1 or not len(state):
         raise InputError("", field="start", value=state.shape, expected="one number a state")
-    slope = np.asarray(right_hand_side(0.0, state), dtype=float)
-    if slope.shape != state.shape or not np.isfinite(slope).all():
-        raise InputError(
-            "", field="derivative at the start", value=slope.tolist(), expected="one finite number a state"
-        )
+    slope = real_row(right_hand_side(0.0, state), len(state), "derivative at the start")
+    if not np.isfinite(slope).all():
+        raise InputError("", field="derivative at the start", value=slope.tolist(), expected="finite numbers")
 
 
 def _require_tolerances(states: int, rtol: float, atol: float | np.ndarray, method: str) -> None:
@@ -206,31 +210,37 @@ def _require_tolerances(states: int, rtol: float, atol: float | np.ndarray, meth
         raise InputError("", field="method", value=method, expected=" | ".join(METHODS))
 
 
-def _event(kink: Callable[[float, np.ndarray], float]) -> Callable[[float, np.ndarray], float]:
-    def event(t: float, x: np.ndarray) -> float:
-        value = kink(t, x)
-        if np.isnan(value):
+class _Kink:
+    """A function at whose zero the integrator stops; refused where it gives no number."""
+
+    terminal = True  # solve_ivp's own convention
+
+    def __init__(self, function: Callable[[float, np.ndarray], float]) -> None:
+        self.function = function
+
+    def __call__(self, t: float, x: np.ndarray) -> float:
+        value = self.function(t, x)
+        if not isinstance(value, Real):
+            raise InputError("", field=f"kink at t = {float(t)!r} s", value=value, expected="a number")
+        if math.isnan(value):
             raise ComputationError("integration", f"the function of a kink is not a number at t = {float(t)!r} s")
-        return value
-
-    event.terminal = True  # type: ignore[attr-defined]  # solve_ivp's own convention
-    return event
+        return float(value)
 
 
-class _Guarded:
-    """The right-hand side, which ends an integration that would go on for ever.
+class Guarded:
+    """The right-hand side, which refuses a derivative that is none, and ends an integration that would go on for ever.
 
     That is one whose step has become nan, or so small that time stands still, as it does before a pole of the solution.
     Infinite trial values may still be rejected by the integrator.
     """
 
-    def __init__(self, right_hand_side: Function, end: float) -> None:
-        self.right_hand_side, self.end = right_hand_side, end
+    def __init__(self, right_hand_side: Function, states: int, end: float) -> None:
+        self.right_hand_side, self.states, self.end = right_hand_side, states, end
         self.infinite: float | None = None
         self.calls, self.latest, self.mark = 0, -np.inf, -np.inf
 
     def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
-        slope = self.right_hand_side(t, x)
+        slope = real_row(self.right_hand_side(t, x), self.states, "derivative")
         if not np.isfinite(slope).all():
             if np.isnan(slope).any():
                 raise ComputationError("integration", f"the derivative is not a number at t = {float(t)!r} s")
@@ -261,10 +271,14 @@ def largest(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], n
     ------
     ComputationError
         If the output is not a number at some time.
+    InputError
+        If it does not give one number a time.
     """
     grid, values = _outputs(output, trajectory)
     best = int(np.argmax(values))
     time, value = float(grid[best]), float(values[best])
+    if math.isinf(value):
+        return time, value
 
     def negative(t: float) -> float:
         return -float(output(np.array([t]), trajectory(np.array([t])))[0])
@@ -285,7 +299,7 @@ def largest(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], n
 def _outputs(output: Callable, trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:
     """Times and values of an output where the trajectory was looked at."""
     grid, states = trajectory.fine
-    values = np.asarray(output(grid, states))
+    values = real_row(output(grid, states), len(grid), "output")
     if np.isnan(values).any():
         raise ComputationError("output", f"not a number at t = {float(grid[np.isnan(values)][0])!r} s")
     return grid, values
@@ -304,6 +318,8 @@ def last_crossing(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarr
     ------
     ComputationError
         If the output is not negative at the end, was never positive, or is not a number at some time.
+    InputError
+        If it does not give one number a time.
     """
     grid, values = _outputs(output, trajectory)
     positive = np.flatnonzero(values >= 0)

@@ -13,7 +13,7 @@ from scipy.linalg import expm
 from scipy.optimize import minimize_scalar
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.exact.floats import real_array, real_number
+from gainsay.exact.floats import real_array, real_number, real_row
 
 _GAUSS = np.sqrt(3) / 6
 
@@ -53,7 +53,8 @@ def with_oscillators(A: np.ndarray, shapes: np.ndarray, rate: float) -> np.ndarr
     ndarray, shape (n + 3, n + 3)
         The further states start from (1, 0, 1).
     """
-    n = A.shape[0]
+    A, shapes, rate = real_array(A, "A"), real_array(shapes, "shapes"), real_number(rate, "rate")
+    n = len(shapes) if shapes.ndim else 0
     if A.shape != (n, n) or shapes.shape != (n, 3):
         raise InputError(field="shapes", value=shapes.shape, expected=f"shape ({n}, 3) beside a square A")
     whole = np.zeros((n + 3, n + 3))
@@ -98,7 +99,7 @@ class PeriodicSolution:
     Raises
     ------
     InputError
-        If the period, the start or A(0) is not finite or their shapes do not fit, or a count is below one.
+        If the period, the start or A(t) is not finite or their shapes do not fit, or a count is below one.
     ComputationError
         If the state leaves double precision.
     """
@@ -112,15 +113,20 @@ class PeriodicSolution:
         start = real_array(start, "start")
         if start.ndim != 1 or not len(start):
             raise InputError(field="start", value=start.shape, expected="one number a state")
-        if real_array(A(0.0), "A(0)").shape != (len(start), len(start)):
-            raise InputError(field="A(0)", value=np.shape(A(0.0)), expected=f"shape ({len(start)}, {len(start)})")
-        self.A, self.period, self.step = A, float(period), float(period) / steps
         n = len(start)
+
+        def checked(t: float) -> np.ndarray:
+            matrix = real_array(A(t), "A(t)")
+            if matrix.shape != (n, n):
+                raise InputError(field=f"A({float(t)!r})", value=matrix.shape, expected=f"shape ({n}, {n})")
+            return matrix
+
+        self.A, self.period, self.step = checked, float(period), float(period) / steps
         maps = np.empty((steps, n, n))
         total = np.eye(n)
         for j in range(steps):
             maps[j] = total
-            total = magnus_step(A, j * self.step, self.step) @ total
+            total = magnus_step(self.A, j * self.step, self.step) @ total
         self.monodromy = total
         starts = np.empty((periods + 1, n))
         starts[0] = start
@@ -149,7 +155,7 @@ class PeriodicSolution:
 
     def state(self, t: float) -> np.ndarray:
         """State at any time of the interval: one Magnus step of less than a full one from the node before."""
-        if not 0 <= t <= self.times[-1] + 1e-9 * self.period:
+        if not 0 <= real_number(t, "t") <= self.times[-1] + 1e-9 * self.period:
             raise InputError(field="t", value=t, expected=f"0..{self.times[-1]}")
         j = min(int(t / self.step), len(self.times) - 1)
         rest = t - self.times[j]
@@ -170,12 +176,10 @@ class PeriodicSolution:
         Every local maximum of the nodes that comes within 5 % of the largest is refined by Brent's method between its
         neighbours; a peak narrower than two steps could be missed, so the steps must resolve the fastest motion.
         """
-        keep = self.times >= after - 1e-12
+        keep = self.times >= real_number(after, "after") - 1e-12
         if not keep.any():
             raise InputError(field="after", value=after, expected=f"0..{self.times[-1]}")
-        t, values = self.times[keep], np.asarray(function(self.times[keep], self.states[keep]))
-        if np.isnan(values).any():
-            raise ComputationError("periodic solution", f"the function is not a number at {t[np.isnan(values)][0]:g} s")
+        t, values = self.times[keep], self._values(function, keep)
         best = int(np.argmax(values))
         top = Extreme(float(t[best]), float(values[best]), self.states[keep][best])
         floor = values[best] - 0.05 * abs(values[best])
@@ -191,12 +195,21 @@ class PeriodicSolution:
                 top = Extreme(float(found.x), float(-found.fun), self.state(float(found.x)))
         return top
 
+    def _values(self, function: Callable, keep: np.ndarray | slice = slice(None)) -> np.ndarray:
+        """Values of a function at the nodes."""
+        times = self.times[keep]
+        values = real_row(function(times, self.states[keep]), len(times), "function")
+        if np.isnan(values).any():
+            lost = float(times[np.isnan(values)][0])
+            raise ComputationError("periodic solution", f"the function is not a number at {lost:g} s")
+        return values
+
     def last_exit(self, function: Callable, level: float) -> float:
         """Last time at which a function of the state is above a level (0 where it never is), s.
 
         Located between nodes by bisection to 1e-9 of a step.
         """
-        above = np.flatnonzero(np.asarray(function(self.times, self.states)) > level)
+        above = np.flatnonzero(self._values(function) > real_number(level, "level"))
         if len(above) == 0:
             return 0.0
         if above[-1] == len(self.times) - 1:
@@ -233,11 +246,13 @@ def held(loops: np.ndarray, hold: float, start: np.ndarray, inner: int = 1) -> t
     ------
     InputError
         If an entry is not finite, shapes do not fit, there are no loops, or a length or count is not positive.
+    ComputationError
+        If the state leaves double precision.
     """
     if not real_number(hold, "hold") > 0 or not isinstance(inner, int | np.integer) or inner < 1:
         raise InputError("hold and inner must be positive", value=(hold, inner))
     loops, start = real_array(loops, "loops"), real_array(start, "start")
-    if not len(loops) or start.ndim != 1 or loops.shape[1:] != (len(start), len(start)):
+    if loops.ndim != 3 or not len(loops) or start.ndim != 1 or loops.shape[1:] != (len(start), len(start)):
         raise InputError(field="loops", value=loops.shape, expected=f"shape (K, n, n), K >= 1, n = {start.size}")
     step = hold / inner
     states = np.empty((len(loops) * inner + 1, len(start)))
@@ -248,4 +263,6 @@ def held(loops: np.ndarray, hold: float, start: np.ndarray, inner: int = 1) -> t
             for _ in range(inner):
                 states[row + 1] = one @ states[row]
                 row += 1
+        if not np.isfinite(states[row]).all():
+            raise ComputationError("held gains", f"the state leaves double precision before {row * step:g} s")
     return np.arange(len(states)) * step, states
