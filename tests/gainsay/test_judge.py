@@ -219,6 +219,28 @@ def test_proved_numbers():
     assert (judged.verdict, judged.certificate, judged.range_high) == ("reproduced", "tight", 1.0)
 
 
+def test_a_proof_is_named_and_stands_for_itself():
+    # what was computed besides does not narrow what is proved
+    judged = judge(Tables(), claim("at_most", "2", kind="norm-bound"), evidence(at_most("1.9"), value=found(1.5)), {})
+    assert (judged.verdict, judged.evidence, judged.range_high) == ("reproduced", "proved: theorem", 1.9)
+    judged = judge(Tables(), claim("at_most", "2"), evidence(at_most("1.9"), value=found(1.5, 1.4, 1.6)), {})
+    assert (judged.evidence, judged.range_high) == ("enclosed", 1.6)
+
+
+@pytest.mark.parametrize(
+    ("ends", "kind"),
+    [((1.4, 1.6), "enclosed"), ((1.4, None), "computed"), ((None, 1.6), "computed"), ((None, None), "computed")],
+)
+def test_a_number_is_enclosed_where_it_has_both_ends(ends, kind):
+    assert judge(Tables(), claim("at_most", "2"), evidence(value=found(1.5, *ends)), {}).evidence == kind
+
+
+@pytest.mark.parametrize("kind", ["parameter", "gain", "trajectory"])
+def test_a_printed_number_of_which_only_bounds_are_proved_has_no_verdict(kind):
+    judged = judge(Tables(), claim(kind=kind), evidence(at_most("1.501"), at_least("1.499")), {})
+    assert judged.verdict == "failed" and "none was computed" in judged.note
+
+
 def test_stability_is_not_reached_on_the_boundary():
     # A spectral abscissa of 0 is marginal: `at most 0` proves no asymptotic stability, `less than 0` does.
     of = claim("at_most", "0", "stability")

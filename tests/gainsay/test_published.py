@@ -35,6 +35,8 @@ def rows(project):
                   identified=np.array([[True, True], [True, False]]), low=value - 1e-4, high=value + 1e-4)  # fmt: skip
     results.gains("lost", published=printed(["3.0"]))
     results.poles("(4)", published=printed(["-0.50", "0.12"]), recomputed=[-0.47 + 0.1201j], radius=[1e-3])
+    results.poles("(5)", published=printed(["-0.50", "0.12"]), recomputed=[-0.4945 + 0.1255j], radius=[1e-3])
+    results.gains("alone", published=printed(["3.0"]), resynthesised=np.array([[3.04]]), identified=np.array([[True]]))
     results.close()
     results = Results(case, "simulation")
     results.quantity("run.peak", 39.5, method="m", lower=39.4, upper=39.6)
@@ -48,6 +50,7 @@ def test_entries_of_a_gain_are_judged_one_by_one(rows):
     assert rows["gain", "K(1,1)"]["units_of_last_digit"] == "0.1"
     assert rows["gain", "K(2,1)"]["verdict"] == "undetermined"  # determined by our program, printed otherwise
     assert rows["gain", "K(2,2)"]["verdict"] == "undetermined"  # not determined, though it agrees
+    assert rows["gain", "alone(1,1)"]["verdict"] == "reproduced"  # no range was computed beside it
     assert (rows["gain", "lost(1,1)"]["verdict"], rows["gain", "lost(1,1)"]["recomputed"]) == ("uncheckable", "")
 
 
@@ -55,6 +58,8 @@ def test_poles_are_judged_with_the_rounding_of_the_gains(rows):
     real, imaginary = rows["pole", "(4) 1 real"], rows["pole", "(4) 1 imaginary"]
     assert (real["verdict"], imaginary["verdict"]) == ("contradicted", "reproduced")
     assert real["units_of_last_digit"] == "3.0"
+    # half a thousandth beyond what rounds to the printed digits, on either side, and a pole known to a thousandth
+    assert {rows["pole", f"(5) 1 {part}"]["verdict"] for part in ("real", "imaginary")} == {"reproduced"}
 
 
 def test_claims_with_a_number_stand_and_those_without_do_not(rows):
@@ -67,8 +72,8 @@ def test_claims_with_a_number_stand_and_those_without_do_not(rows):
 
 def test_the_summary_counts_every_row_once(rows):
     lines = summary(rows.values())
-    assert lines[0] == "gains: 5 published, 2 reproduced, 2 undetermined, 1 uncheckable"
-    assert lines[1] == "poles: 2 published, 1 reproduced, 1 contradicted"
+    assert lines[0] == "gains: 6 published, 3 reproduced, 2 undetermined, 1 uncheckable"
+    assert lines[1] == "poles: 4 published, 3 reproduced, 1 contradicted"
     assert sum(int(line.split()[1]) for line in lines) == len(rows)
 
 
