@@ -19,7 +19,7 @@ HOSTILE = "<script>alert(1)</script> & \"quotes\" 'too'"
 CLAIMS = [
     # id, where, kind, statement, comparator, quantity, published, unit, tolerance, expected, basis, note
     ("poles", "(40)", "gain", "The observer gain places the poles (40).", "at_most", "audit.pole_error", "1e-3", "1/s",
-     "", "contradicted", "enclosures of all eigenvalues", "a lost zero in L would explain it", "", "", "",
+     "", "contradicted", "enclosures of all eigenvalues", "a lost zero in L would explain it", "", "", "", "", "",
      "misprint", "possible"),
     ("peak-x", "Section 5, first sentence", "trajectory", "The thrust along x stays below its bound.", "at_most",
      "audit.peak_fx", "40", "N", "", "reproduced", "two integrators agree", ""),
@@ -27,12 +27,12 @@ CLAIMS = [
      "reproduced", "quadrature state", ""),
     ("eq14", "(14)", "feasibility", r"The inequality (14) with $P \succ 0$ is feasible.", "feasible", "eq14.feasible",
      "", "1", "", "contradicted", "Farkas certificate in exact rationals", "",
-     "", "", "", "gap", "excluded"),
+     "", "", "", "", "", "gap", "excluded"),
     ("start", "Figure 4", "trajectory", "Thrusts stay within their bounds.", "at_most", "audit.peak_fy", "40", "N", "",
      "undetermined", "depends on the start of the estimate", ""),
     ("better", "Section 6", "ordering", "The printed design is cheaper than the regulator.", "less_than", "audit.cost",
      "lqr.cost", "1", "", "contradicted", "both costs are quadrature states", "",
-     "", "", "", "result", "excluded"),
+     "", "", "", "", "", "result", "excluded"),
     ("range", "Section 5", "trajectory", "The range is between 5 m and 10 m.", "inside", "audit.range", "5..10", "m",
      "", "reproduced", "second integrator", ""),
     ("both", "Abstract", "trajectory", "Thrusts and cost are as said.", "all_of", "peak-x cost", "", "1", "",
@@ -145,8 +145,9 @@ def results(root: Path, paper: str) -> None:
     verdicts = []
     for claim in CLAIMS:
         recomputed, tolerance, verdict, evidence, low, high, witness, certificate, note = JUDGED[claim[0]]
-        verdicts.append((*claim[:4], claim[6], recomputed, claim[7], tolerance, verdict, claim[9], evidence, low, high,
-                         witness, claim[5], certificate, note, "", "", ""))  # fmt: skip
+        row = (*claim[:4], claim[6], recomputed, claim[7], tolerance, verdict, claim[9], evidence, low, high,
+               witness, claim[5], certificate, note)  # fmt: skip
+        verdicts.append((*row, *[""] * (len(VERDICT_COLUMNS) - len(row))))
     write(folder / "verdicts.csv", VERDICT_COLUMNS, verdicts)
     write(folder / "quantities.csv", QUANTITY_COLUMNS, FOUND)
     write(folder / "gains.csv", GAIN_COLUMNS, [
@@ -200,6 +201,7 @@ SCAN = {
     "values": [38.0, 39.0, 412.5],
     "points": [["measured", 3.986e14], ["measured", 3.98601e14], ["zero", 3.986e14]],
     "crossings": [{"values": [38.0, 412.5], "points": [["measured", 3.986e14], ["zero", 3.986e14]]}],
+    "bears_out": [],
 }  # fmt: skip
 
 RUNS_OF_FIGURES = {"figure_2": ("nominal",), "figure_3": ("nominal", "repaired")}

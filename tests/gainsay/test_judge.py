@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from gainsay.exact.digits import PrintedNumber
 from gainsay.tables.lint import PROVED
 from gainsay.tables.models import VERDICTS, Claim, Kind, Quantity
-from gainsay.tables.sentences import SEVERITY
+from gainsay.tables.sentences import SEVERITY, of_sentence, worst
 from gainsay.verdicts.evidence import Concluded, Evidence, Found
 from gainsay.verdicts.judge import judge
 from gainsay.verdicts.outcome import outcome
@@ -18,17 +18,18 @@ SAMPLED = sorted(set(get_args(Kind)) - PROVED - {"remark"})
 
 
 class Tables:
-    """What judging needs of a case: the declared quantities."""
+    """What judging needs of a case: the declared quantities, and claims that others join."""
 
-    def __init__(self) -> None:
+    def __init__(self, *parts: Claim) -> None:
+        self.claims = {part.id: part for part in parts}
         units = {"q": "m", "other": "m", "angle": "rad", "flag": "1"}
         self.quantities = {q: Quantity(id=q, unit=unit, step="audit", meaning="m") for q, unit in units.items()}
 
 
 def claim(comparator="equal", published="1.50", kind="ordering", **more) -> Claim:
     given = {"kind": kind, "comparator": comparator, "published": published, "quantity": "q", "unit": "m", **more}
-    rest = {"id": "c", "where": "(1)", "statement": "s", "tolerance": "", "expected": "reproduced", "basis": "b"}
-    return Claim(**{**rest, "note": "", **given})
+    rest = {"where": "(1)", "statement": "s", "tolerance": "", "expected": "reproduced", "basis": "b", "note": ""}
+    return Claim(**{"id": "c", **rest, **given})
 
 
 def found(value, lower=None, upper=None, method="m") -> Found:
@@ -345,15 +346,15 @@ def test_a_scan_that_our_own_filling_denies_decides_nothing(value, own):
 @given(st.lists(st.sampled_from(VERDICTS), min_size=1, max_size=6), st.randoms())
 def test_joined_claims_are_as_bad_as_the_worst(verdicts, random):
     names = {f"p{i}": v for i, v in enumerate(verdicts)}
-    of = claim("all_of", "", quantity=" ".join(names))
-    joined = judge(Tables(), of, Evidence(), names).verdict
+    of, case = claim("all_of", "", quantity=" ".join(names)), Tables(*(claim(id=name) for name in names))
+    joined = judge(case, of, Evidence(), names).verdict
     # By definition of the order: no part is worse, and one is as bad.
     assert joined in verdicts
     assert all(SEVERITY.index(joined) <= SEVERITY.index(v) for v in verdicts)
     assert (joined == "reproduced") == (set(verdicts) == {"reproduced"})
     shuffled = list(names)
     random.shuffle(shuffled)
-    assert judge(Tables(), replace_quantity(of, shuffled), Evidence(), names).verdict == joined
+    assert judge(case, replace_quantity(of, shuffled), Evidence(), names).verdict == joined
 
 
 def replace_quantity(of: Claim, names: list[str]) -> Claim:
@@ -421,6 +422,70 @@ def test_a_scan_under_a_range_of_thresholds_names_the_turning_point(values, expe
     judged = judge(Tables(), of, evidence(scans=scans(of, *values)), {})
     assert judged.verdict == expected
     assert turns in judged.witness
+
+
+# --- sentences that say "can" -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("values", "published", "expected"),
+    [((1.0, 3.0), "2", "reproduced"), ((3.0, 4.0), "2", "undecided"), ((1.5, 3.0), "1..2", "undetermined"),
+     ((0.5, 3.0), "1..2", "reproduced")],
+)  # fmt: skip
+def test_one_sample_bears_out_what_can_be_and_none_refutes_it(values, published, expected):
+    of = claim("at_most", published, "ordering", holds_for="some")
+    judged = judge(Tables(), of, evidence(value=found(values[-1]), scans=scans(of, *values)), {})
+    assert judged.verdict == expected
+    if expected == "reproduced":
+        assert judged.witness == f"borne out by q = {values[0]:.5g} at x = 0" and "one is enough" in judged.note
+
+
+def test_a_list_of_readings_none_of_which_can_be_refutes_it():
+    of = claim("at_most", "2", "ordering", holds_for="some")
+    inputs = [{"name": "x", "unit": "1", "values": ["a", "b"], "logarithmic": False}]
+    scan = {"quantity": "q", "inputs": inputs, "values": [3.0, 4.0], "points": [["a"], ["b"]], "crossings": []}
+    assert verdict(of, evidence(scans={"c": outcome(of, scan)})) == "contradicted"
+
+
+@pytest.mark.parametrize(("value", "expected"), [(1.0, "reproduced"), (3.0, "undecided")])
+def test_one_number_bears_out_what_can_be_and_does_not_refute_it(value, expected):
+    of = claim("at_most", "2", "ordering", holds_for="some", given="start=far")
+    judged = judge(Tables(), of, evidence(value=found(value)), {})
+    assert judged.verdict == expected
+    said = "borne out by q = 1.0 m at start=far" if expected == "reproduced" else "not borne out at start=far"
+    assert said in judged.witness + judged.note
+
+
+# --- parts and readings of one sentence -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("judged", "expected"),
+    [("reproduced contradicted", "undetermined"), ("contradicted contradicted", "contradicted"),
+     ("reproduced reproduced", "reproduced"), ("contradicted undetermined", "undetermined"),
+     ("contradicted undecided", "undecided"), ("reproduced undecided", "undecided"),
+     ("contradicted undecided reproduced", "undetermined"), ("contradicted failed reproduced", "failed"),
+     ("contradicted uncheckable", "uncheckable"), ("reproduced uncheckable", "uncheckable")],
+)  # fmt: skip
+def test_readings_that_differ_leave_a_sentence_undetermined(judged, expected):
+    readings = [(claim(as_read=f"reading {i}"), v) for i, v in enumerate(judged.split())]
+    assert of_sentence(readings) == expected
+    # A part that holds changes nothing, one that does not decides whatever the readings are.
+    assert of_sentence([*readings, (claim(), "reproduced")]) == expected
+    assert of_sentence([(claim(), "contradicted"), *readings]) == worst(["contradicted", expected])
+
+
+def test_claims_read_alike_make_one_reading():
+    strict = [(claim(as_read="strict"), "reproduced"), (claim(as_read="strict"), "contradicted")]
+    assert of_sentence(strict) == "contradicted"
+    assert of_sentence([*strict, (claim(as_read="mild"), "reproduced")]) == "undetermined"
+
+
+def test_a_claim_that_joins_readings_joins_them_as_a_sentence_does():
+    readings = claim(id="one", as_read="one"), claim(id="other", as_read="other")
+    of = claim("all_of", "", quantity="one other")
+    verdicts = {"one": "reproduced", "other": "contradicted"}
+    assert judge(Tables(*readings), of, Evidence(), verdicts).verdict == "undetermined"
 
 
 # --- laws -----------------------------------------------------------------------------------------------------------

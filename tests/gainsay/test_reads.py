@@ -80,6 +80,8 @@ def test_what_is_scanned_over_is_no_condition(project):
         ("audit.other,guess,read\n", "guess=0.25", "0.5, at which audit.other is computed"),
         ("audit.other,guess,read\n", "guess=0.50", None),
         ("audit.other,guess,scanned\n", "", None),
+        ("audit.other,mass,borne_out\n", "", "mass=2.0 too, since audit.other rests on it"),
+        ("audit.other,mass,borne_out\n", "mass=2.00", None),
         ("audit.holds,guess,read\n", "guess=0.5", "guess=0.5 too, since audit.holds"),  # the claim `lmi` has none
     ],
 )

@@ -377,10 +377,11 @@ def test_digests_of_provenance_follow_the_tables(root):
 
 
 def test_conditions_read_as_words():
-    parameters = {"gravity": SimpleNamespace(unit="m^3/s^2"), "observer_start": SimpleNamespace(unit="1")}
+    units = {"gravity": ("m^3/s^2", "assumed"), "observer_start": ("1", "assumed"), "level": ("1", "printed")}
+    parameters = {name: SimpleNamespace(unit=unit, status=status) for name, (unit, status) in units.items()}
     found = SimpleNamespace(case=SimpleNamespace(parameters=parameters))
-    said = bare(condition(found, "observer_start=exact; gravity=3.9e14"))
-    assert said == "observer start = exact, gravity = 3.9 × 1014 m3/s2"
+    said = bare(condition(found, "observer_start=exact; gravity=3.9e14; level=0.2"))
+    assert said == "observer start = exact, gravity = 3.9 × 1014 m3/s2, level = 0.2 as printed"
 
 
 def bare(shown):

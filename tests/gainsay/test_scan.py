@@ -180,6 +180,11 @@ def test_a_finite_list_of_readings_is_gone_through_one_by_one():
         readings([WORD, X])
 
 
+def test_what_its_points_bear_out_is_part_of_a_scan():
+    found = scanned(lambda p: p["x"], admissible=lambda p: p["x"] < 5, bears_out=("width",)).to_json()
+    assert found["bears_out"] == ["width"] and max(found["values"]) < 5
+
+
 def test_samples_that_are_the_same_are_counted_once():
     found = scanned(lambda p: p["x"], inputs=(X, WORD)).to_json()
     found["points"][1], found["values"][1] = found["points"][0], found["values"][0]

@@ -16,7 +16,7 @@ from gainsay.errors import InputError
 from gainsay.tables import find_root, paper_names, read_case
 from gainsay.tables.docs import documents, escaped
 from gainsay.tables.files import cell, read_csv, write_atomically, write_csv, write_json
-from gainsay.tables.lint import given_of
+from gainsay.tables.lint import _claim_faults, given_of
 from gainsay.tables.sentences import sentences, worst
 from gainsay.tables.units import UNITS, to_si
 
@@ -283,7 +283,7 @@ def test_a_write_that_breaks_leaves_the_old_file_and_no_other(tmp_path):
 @pytest.mark.parametrize(
     ("given", "expected"),
     [("guess", "name=value"), ("guess=", "name=value"), ("gues=1", "in parameters.csv"), ("guess=2", "0..1"),
-     ("count=4", "2|3"), ("start=there", "near|far"), ("mass=2.0", "the paper leaves out"),
+     ("count=4", "2|3"), ("start=there", "near|far"), ("mass=2.5", "2.0, which the paper prints"),
      ("guess=0.1; guess=0.2", "each name once"), ("guess=half", "a number among")],
 )  # fmt: skip
 def test_a_condition_names_what_the_paper_leaves_out_and_a_plausible_value(project, given, expected):
@@ -315,6 +315,36 @@ def test_claims_of_one_sentence_stand_in_one_place(project):
     project.file("claims.csv").write_text(text.replace("compare with,,,", "compare with,,,,"))
     with pytest.raises(InputError, match=r"claims\.csv:3: claim bound: where .*the place of length, \(1\)"):
         project.case()
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "statement", "expected"),
+    [("holds_for", "", "the length can be bounded", "some or every, since the sentence says 'can'"),
+     ("holds_for", "", "the loop is able to stop", "says 'able to'"),
+     ("holds_for", "every", "the length can be bounded", None), ("holds_for", "some", "it might be short", None),
+     ("holds_for", "", "the $can$ canal", None),
+     ("as_read", "one way", "the length", "a claim that reads it otherwise")],
+)  # fmt: skip
+def test_what_a_sentence_is_held_to_is_said(project, column, value, statement, expected):
+    project.edit("claims.csv", "note,weight,ocr", f"note,{column},weight,ocr")
+    lines = project.file("claims.csv").read_text().replace(",,,\n", ",,,,\n").splitlines()
+    cells = next(csv.reader([lines[2]]))
+    cells[3], cells[-3] = statement, value
+    lines[2] = ",".join(cells)
+    project.file("claims.csv").write_text("\n".join(lines) + "\n")
+    if expected is None:
+        assert getattr(project.case().claims["bound"], column) == value
+        return
+    with pytest.raises(InputError) as refused:
+        project.case()
+    assert (refused.value.row, refused.value.field) == (3, column)
+    assert expected in refused.value.expected
+
+
+def test_only_a_number_bears_out_what_can_be(project):
+    claims = project.case().claims
+    lmi = claims["lmi"].model_copy(update={"holds_for": "some"})
+    assert [fault[:2] for fault in _claim_faults(project.case(), lmi)] == [("holds_for", "some")]
 
 
 def test_the_verdict_of_a_sentence_is_the_worst_of_its_claims(project):

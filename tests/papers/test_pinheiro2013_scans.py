@@ -149,7 +149,7 @@ def test_every_scanned_quantity_has_its_claim(case):
 
 def test_points_bear_out_the_printed_levels(case):
     values = {name: scans_studies.base(case, name) for name in scans.DESIGN}
-    test = scans.as_printed(case, scans.BOTH_ENDS)
+    test = scans.as_printed(case, scans.LEVELS_PRINTED)
     assert test(values)
     # Closed forms: the infimum is sqrt(0.01 + 1/I^2) of the least moment, 0.21 at 5.4 and 0.14 at 10; 1/I if w is d;
     # 0.1 without d.

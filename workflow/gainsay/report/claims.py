@@ -10,9 +10,10 @@ from markupsafe import Markup
 from gainsay.report.certificates import CertificateFile
 from gainsay.report.numbers import enclosure, number, span
 from gainsay.report.reading import PaperResults, Row
+from gainsay.report.sentences import said
 from gainsay.report.wording import condition, found_value, input_value, is_truth, published_value, reason, turning_point
 from gainsay.tables.models import VERDICTS, Claim
-from gainsay.tables.sentences import sentences, worst
+from gainsay.tables.sentences import of_sentence, sentences
 from gainsay.tables.units import to_si
 from gainsay.verdicts.outcome import Outcome
 
@@ -130,6 +131,13 @@ class ClaimView:
         return self.claim.weight
 
     @property
+    def as_read(self) -> Markup:
+        """How it reads a sentence that can be read in several ways, and what the readings come to where they differ."""
+        whole = self.row["of_sentence"]
+        differs = f"; its readings together: {whole}" if whole and whole != self.verdict else ""
+        return said(self.claim.as_read) + differs if self.claim.as_read else _NOTHING
+
+    @property
     def evidence(self) -> str:
         """Kind of evidence, without the theorem that it names."""
         return self.row["evidence"].partition(":")[0].replace("none", "")
@@ -239,6 +247,7 @@ def _claim_view(found: PaperResults, claim: Claim) -> ClaimView:
             "certificate",
             "note",
             "digits",
+            "of_sentence",
         ),
         "",
     )
@@ -269,15 +278,17 @@ def _claim_view(found: PaperResults, claim: Claim) -> ClaimView:
     )
 
 
-def _of_sentence(verdicts: list[str]) -> str:
+def _of_sentence(together: Sequence[ClaimView]) -> str:
     """Return the verdict on a sentence that several claims may speak of."""
-    return NONE_YET if NONE_YET in verdicts else worst(verdicts)
+    if any(view.verdict == NONE_YET for view in together):
+        return NONE_YET
+    return of_sentence((view.claim, view.verdict) for view in together)
 
 
 def verdicts_of(found: PaperResults) -> Verdicts:
     """Return all claims of a paper in the order of its table, and how many sentences have which verdict."""
     claims = {claim.id: _claim_view(found, claim) for claim in found.case.claims.values()}
     spoken = sentences(found.case.claims.values())
-    counted = Counter(_of_sentence([claims[claim.id].verdict for claim in together]) for together in spoken)
+    counted = Counter(_of_sentence([claims[claim.id] for claim in together]) for together in spoken)
     counts = {v: counted[v] for v in (*ORDER, NONE_YET) if counted[v] or v in ALWAYS}
     return Verdicts(tuple(claims.values()), counts)

@@ -89,9 +89,9 @@ def condition(found: PaperResults, given: str) -> Markup:
         name, _, value = (text.strip() for text in part.partition("="))
         parameter = found.case.parameters.get(name)
         shown = typeset(value) if re.fullmatch(r"[-+.\d]+(e[-+]?\d+)?", value) else escape(value.replace("_", " "))
-        said.append(
-            Markup("{} = {}").format(name.replace("_", " "), with_unit(shown, parameter.unit if parameter else ""))
-        )
+        printed = " as printed" if parameter and parameter.status == "printed" else ""
+        value_shown = with_unit(shown, parameter.unit if parameter else "")
+        said.append(Markup("{} = {}{}").format(name.replace("_", " "), value_shown, printed))
     return Markup(", ").join(said)
 
 

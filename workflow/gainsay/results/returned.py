@@ -39,7 +39,7 @@ CERTIFICATE_COLUMNS = ("certificate", "accepted", "says")
 VERDICT_COLUMNS = (
     "claim", "where", "kind", "statement", "published", "recomputed", "unit", "tolerance", "verdict", "expected",
     "evidence", "range_low", "range_high", "witness", "quantity", "certificate", "note", "given", "weight",
-    "digits",
+    "digits", "holds_for", "sentence", "as_read", "of_sentence",
 )  # fmt: skip
 
 

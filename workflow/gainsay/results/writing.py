@@ -340,9 +340,10 @@ class Results:
                 self._rows["poles"].append((name, number, part, printed.text, *rounding, float(value), float(reach)))
 
     def scan(self, scan: Any) -> None:
-        """Write a scan over plausible inputs, with what of it was read and what was scanned over."""
+        """Write a scan over plausible inputs, what of it was read and scanned over, and what its inputs bear out."""
         self._note_reads(scan.quantity, {one.parameter or one.name for one in scan.inputs}, "scanned")
         self._note_reads(scan.quantity, self._reads, "read")
+        self._note_reads(scan.quantity, scan.bears_out, "borne_out")
         write_json(self._file(f"scans/{scan.quantity}.json"), scan.to_json())
 
     def attempt(self, where: str, content: object) -> None:

@@ -40,7 +40,9 @@ def _parts(case: Case, claim: Claim) -> Iterator[tuple[str, str]]:
     """Yield what is said of a claim: name and text, in the order of reading."""
     held = " ".join(part for part in (claim.comparator, claim.published) if part)
     yield "the paper says", f"{claim.statement} ({claim.where})"
+    yield "read as", claim.as_read
     yield "given", claim.given
+    yield "holds for", claim.holds_for
     yield "kind", claim.kind
     yield "held against", f"{claim.quantity} {with_unit(held, claim.unit)}" if claim.quantity else "nothing"
     yield (
@@ -60,6 +62,8 @@ def _parts(case: Case, claim: Claim) -> Iterator[tuple[str, str]]:
         return
     as_expected = "as on record" if found["verdict"] == claim.expected else f"on record: {claim.expected}"
     yield "verdict", f"{found['verdict']} ({as_expected})"
+    others = found["of_sentence"] != found["verdict"]
+    yield "its sentence", f"{found['of_sentence']}, with its other claims" if others else ""
     yield "weight", claim.weight
     yield "the scan", f"to blame: {claim.ocr}" if claim.ocr else ""
     yield "digits", f"read from the scan alone: {found['digits']}" if found.get("digits") else ""

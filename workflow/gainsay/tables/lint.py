@@ -1,6 +1,7 @@
 """Checks between the tables of a paper: what one row names must stand in another."""
 
 import math
+import re
 from collections.abc import Iterable, Iterator
 
 from gainsay.errors import InputError, nearest, one_of
@@ -19,6 +20,8 @@ PROVED = frozenset({
 YES_OR_NO = frozenset({"identity", "definiteness", "feasibility", "stability", "pole-region"})
 _STATES = {"holds": "holds", "fails": "fails", "feasible": "is feasible", "infeasible": "is infeasible"}
 _ROW_OF_FIRST = 2
+#: words by which a sentence says that something is possible, and no more
+_POSSIBLE = re.compile(r"\b(can|may|might|could|able to)\b", re.IGNORECASE)
 
 
 def published_ends(published: str) -> tuple[PrintedNumber, PrintedNumber]:
@@ -80,6 +83,15 @@ def _reading_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
         yield "reading", claim.reading, "nothing, or a range of thresholds `low..high` in published"
 
 
+def _holds_for_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
+    """Yield the faults in what a claim holds for: a sentence that says `can` says for which inputs it is judged."""
+    said = _POSSIBLE.search(re.sub(r"\$[^$]*\$", "", claim.statement))
+    if said and not claim.holds_for and claim.kind != "remark":
+        yield "holds_for", "", f"some or every, since the sentence says {said[0]!r}"
+    if claim.holds_for == "some" and claim.comparator not in ("equal", "at_most", "at_least", "inside"):
+        yield "holds_for", "some", f"nothing or every, since {claim.comparator or 'a remark'} compares no number"
+
+
 def _weight_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
     """Yield the faults in the weight of what does not hold."""
     for field in ("weight", "ocr"):
@@ -110,7 +122,7 @@ def given_of(case: Case, claim: Claim) -> dict[str, str]:
 
 
 def _given_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
-    """Yield the faults of a condition: it names what the paper leaves out and a plausible value of it."""
+    """Yield the faults of a condition: it names what the paper leaves out and a plausible value of it, or a print."""
     try:
         given = given_of(case, claim)
     except InputError as error:
@@ -118,8 +130,12 @@ def _given_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
         return
     for name, value in given.items():
         row = case.parameters[name]
-        if row.status != "assumed":
-            yield "given", name, "a parameter that the paper leaves out"
+        if row.status == "printed" and not _same(value, row.value):
+            yield "given", f"{name}={value}", f"{row.value}, which the paper prints"
+        elif row.status not in ("assumed", "printed"):
+            yield "given", name, "a parameter that the paper leaves out, or prints"
+        elif row.status == "printed":
+            continue
         elif row.type == "choice" and value not in row.plausible.split("|"):
             yield "given", f"{name}={value}", f"one of {row.plausible}"
         elif row.type == "number" and not _is_plausible(value, row.plausible):
@@ -127,13 +143,13 @@ def _given_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
 
 
 def _unsaid_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
-    """Yield what the paper leaves out and a claim's quantities read, where the claim is not conditioned on it."""
+    """Yield what a claim's quantities hang on, where the claim is not conditioned on it."""
     quantities = {claim.quantity, claim.published if claim.comparator == "less_than" else claim.quantity}
     try:
         given = given_of(case, claim)
     except InputError:
         return  # said already
-    read = {key[1] for key, row in case.recorded_reads.items() if key[0] in quantities and row.how == "read"}
+    read = {key[1] for key, row in case.recorded_reads.items() if key[0] in quantities and row.how != "scanned"}
     unsaid = [f"{name}={case.parameters[name].value}" for name in sorted(read - set(given)) if name in case.parameters]
     if unsaid:
         wanted = f"{'; '.join(unsaid)} too, since {claim.quantity} rests on it; or a scan over its plausible values"
@@ -162,15 +178,20 @@ def _is_plausible(value: str, plausible: str) -> bool:
     return number in {PrintedNumber(part).value for part in plausible.split("|")}
 
 
-def _sentence_faults(case: Case) -> Iterator[tuple[int, Claim, str]]:
-    """Yield row, claim and expectation where claims of one sentence stand in different places of the paper."""
+def _sentence_faults(case: Case) -> Iterator[tuple[int, Claim, str, str]]:
+    """Yield row, claim, field and expectation where claims of one sentence do not go together."""
     first: dict[str, Claim] = {}
+    readings: dict[str, set[str]] = {}
+    for claim in case.claims.values():
+        readings.setdefault(claim.sentence, set()).add(claim.as_read)
     for row, claim in enumerate(case.claims.values(), start=_ROW_OF_FIRST):
+        if claim.as_read and (not claim.sentence or len(readings[claim.sentence] - {""}) < 2):
+            yield row, claim, "as_read", "nothing, or a name in `sentence` shared with a claim that reads it otherwise"
         if not claim.sentence:
             continue
         before = first.setdefault(claim.sentence, claim)
         if before.where != claim.where:
-            yield row, claim, f"the place of {before.id}, {before.where}, since both speak of one sentence"
+            yield row, claim, "where", f"the place of {before.id}, {before.where}, since both speak of one sentence"
 
 
 def _joined_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
@@ -188,6 +209,7 @@ def _claim_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
     """Yield field, value and expectation of every fault of a claim."""
     yield from _tolerance_faults(claim)
     yield from _reading_faults(claim)
+    yield from _holds_for_faults(claim)
     yield from _weight_faults(claim)
     yield from _given_faults(case, claim)
     if claim.expected == "failed":
@@ -260,9 +282,9 @@ def lint(case: Case) -> None:
                 value=value,
                 expected=expected,
             )
-    for row, claim, expected in _sentence_faults(case):
-        file = f"papers/{case.name}/claims.csv"
-        raise InputError(f"claim {claim.id}:", file=file, row=row, field="where", value=claim.where, expected=expected)
+    for row, claim, field, expected in _sentence_faults(case):
+        file, value = f"papers/{case.name}/claims.csv", getattr(claim, field)
+        raise InputError(f"claim {claim.id}:", file=file, row=row, field=field, value=value, expected=expected)
     for row, reply in enumerate(case.replies, start=_ROW_OF_FIRST):
         if reply.claim not in case.claims:
             faults = [("claim", reply.claim, one_of(reply.claim, case.claims))]

@@ -19,6 +19,7 @@ Comparator = Literal[
 Weight = Literal["misprint", "gap", "result", ""]
 Scan = Literal["possible", "excluded", "open", ""]
 Digits = Literal["scan", "confirmed", ""]
+HoldsFor = Literal["every", "some", ""]
 Step = Literal["synthesis", "audit", "simulation"]
 Tolerance = Literal["exact", "rounding", "enclosed", "sampled", "floor"]
 ScanItem = Literal["outcome", "samples", "holding", "smallest", "largest", "turns_on", "holds_at", "fails_at"]
@@ -129,10 +130,21 @@ class Claim(Row):
     )
     given: Text = Field(
         default="",
-        description="condition under which the claim is judged: `name=value; name=value`, of what the paper leaves out",
+        description="condition under which the claim is judged: `name=value; name=value`, of what the paper leaves out "
+        "or of what it prints where a scan is over those inputs alone that bear the print out",
     )
     sentence: Annotated[str, StringConstraints(pattern=r"^([a-z0-9][a-z0-9_.-]*)?$")] = Field(
         default="", description="name shared by the claims that speak of one sentence; they are judged together"
+    )
+    as_read: Text = Field(
+        default="",
+        description="where a sentence can be read in several ways, how this claim reads it: claims of a sentence that "
+        "are read alike hold together, and readings that differ in verdict leave it undetermined; empty: true of all",
+    )
+    holds_for: HoldsFor = Field(
+        default="",
+        description="of a sentence that says `can` or the like: `some` where one input at which it holds bears it out, "
+        "and one at which it does not refutes nothing; `every` where more is claimed, as of a sentence without it",
     )
     weight: Weight = Field(
         default="",
@@ -205,11 +217,17 @@ class RecordedScan(Toleranced):
 
 
 class RecordedRead(Row):
-    """A parameter that the paper leaves out and a computation read, on record; written by `make record` alone."""
+    """A parameter that a computation hangs on, on record; written by `make record` alone.
+
+    It read what the paper leaves out, or was made over those inputs alone that bear out what the paper prints.
+    """
 
     quantity: QuantityId = Field(description="the quantity computed")
     parameter: Name = Field(description="the parameter read")
-    how: Literal["read", "scanned"] = Field(description="read at its value in the table, or scanned over all plausible")
+    how: Literal["read", "scanned", "borne_out"] = Field(
+        description="read at its value in the table, scanned over all plausible ones, or printed and borne out by all "
+        "inputs of a scan"
+    )
 
 
 class RecordedCertificate(Row):

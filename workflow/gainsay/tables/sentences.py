@@ -1,4 +1,7 @@
-"""The sentences of a paper: claims that speak of one sentence are judged together and shown once, with their parts."""
+"""The sentences of a paper: claims that speak of one sentence are judged together and shown once.
+
+They are its parts, all of which have to hold, or its readings, of which nobody knows which one is meant.
+"""
 
 from collections.abc import Iterable
 
@@ -17,6 +20,31 @@ def worst(verdicts: Iterable[str]) -> str:
     'undetermined'
     """
     return min(verdicts, key=SEVERITY.index)
+
+
+def of_sentence(judged: Iterable[tuple[Claim, str]]) -> str:
+    """Return the verdict on a sentence: the worst of its parts and of what its readings come to.
+
+    Claims with the same `as_read` make one reading, as good as the worst of them.
+
+    Parameters
+    ----------
+    judged : iterable of (Claim, str)
+        The claims of the sentence, each with its verdict.
+    """
+    parts: list[str] = []
+    readings: dict[str, list[str]] = {}
+    for claim, verdict in judged:
+        (readings.setdefault(claim.as_read, []) if claim.as_read else parts).append(verdict)
+    return worst([*parts, *([_of_readings({worst(of_one) for of_one in readings.values()})] if readings else [])])
+
+
+def _of_readings(verdicts: set[str]) -> str:
+    """Return what readings come to: what one contradicts and another does not hangs on the reading."""
+    others = verdicts - {"contradicted"}
+    if others == verdicts or not others or "failed" in others:
+        return worst(verdicts)
+    return "undetermined" if others & {"reproduced", "undetermined"} else worst(others)
 
 
 def sentences(claims: Iterable[Claim]) -> list[tuple[Claim, ...]]:

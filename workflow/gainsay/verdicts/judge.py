@@ -1,7 +1,7 @@
 """The verdict on a claim, from the claim and the evidence alone."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -10,7 +10,7 @@ from gainsay.results.returned import FROM_DIGITS
 from gainsay.tables import Case
 from gainsay.tables.lint import PROVED
 from gainsay.tables.models import Claim
-from gainsay.tables.sentences import worst
+from gainsay.tables.sentences import of_sentence
 from gainsay.tables.units import to_si
 from gainsay.verdicts.criterion import criteria
 from gainsay.verdicts.evidence import Evidence, Found
@@ -20,6 +20,8 @@ from gainsay.verdicts.outcome import Outcome
 _BOUNDED = {"trajectory": "a numerical error bound", "parameter": "an enclosure", "gain": "an enclosure"}
 #: kinds of which printed inputs may explain the printed value
 _DIGITS = ("parameter", "gain")
+#: verdict on a claim that a scan of its quantity speaks of
+_OF_SCAN = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined", "open": "undecided"}
 #: relative rounding by which a double may lie outside the bounds proved for it
 _ROUNDING = Fraction(1, 10**6)
 
@@ -111,13 +113,13 @@ def _judge_scan(claim: Claim, scan: Outcome, found: Found | None) -> Judgement:
 
     The value at our own filling is one plausible value more: it must bear out what the samples say.
     """
-    if found is not None and scan.outcome != "depends":
+    if found is not None and scan.outcome != "depends" and not (scan.one_is_enough and scan.outcome == "holds"):
         strict, lenient = (readings := criteria(claim))[0], readings[-1]
         agrees = strict.holds(found.value) if scan.outcome == "holds" else not lenient.holds(found.value)
         if not agrees:
             note = f"every sample of the scan {scan.outcome}, our own filling, {found.value!r}, does not"
             return Judgement("failed", note=note)
-    verdict = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined"}[scan.outcome]
+    verdict = _OF_SCAN[scan.outcome]
     ends = [_in_unit(claim, value) for value, _ in (scan.least, scan.greatest)]
     return Judgement(
         verdict,
@@ -227,6 +229,17 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     return Judgement("undecided", note=reason, **shared)
 
 
+def _one_is_enough(claim: Claim, judged: Judgement) -> Judgement:
+    """Judge a number under a sentence that says `can`: one input bears it out, and one refutes nothing."""
+    at = f" at {claim.given}" if claim.given else ""
+    if judged.verdict == "reproduced":
+        return replace(judged, witness=f"borne out by {claim.quantity} = {judged.recomputed!r} {claim.unit}{at}")
+    if judged.verdict == "contradicted":
+        note = f"not borne out{at}, which does not say that nothing bears it out: {judged.witness}"
+        return replace(judged, verdict="undecided", witness="", note=note)
+    return judged
+
+
 def _judge_order(case: Case, claim: Claim, evidence: Evidence, low: Number, high: Number, shared: dict) -> Judgement:
     """Judge whether a quantity is less than another."""
     other = evidence.found.get(claim.published)
@@ -261,7 +274,7 @@ def judge(case: Case, claim: Claim, evidence: Evidence, verdicts: dict[str, str]
         return Judgement("uncheckable", note="nothing in the text to hold it against")
     if claim.comparator == "all_of":
         parts = claim.quantity.split()
-        joined = worst(verdicts[part] for part in parts)
+        joined = of_sentence((case.claims[part], verdicts[part]) for part in parts)
         at_fault = [part for part in parts if verdicts[part] == joined]
         witness = "" if joined == "reproduced" else f"{joined}: {' '.join(at_fault)}"
         return Judgement(joined, evidence="joined", witness=witness)
@@ -272,4 +285,5 @@ def judge(case: Case, claim: Claim, evidence: Evidence, verdicts: dict[str, str]
         return Judgement("undecided", note=given_up)
     if claim.comparator in ("holds", "fails", "feasible", "infeasible"):
         return _judge_yes_or_no(case, claim, evidence)
-    return _judge_number(case, claim, evidence)
+    judged = _judge_number(case, claim, evidence)
+    return _one_is_enough(claim, judged) if claim.holds_for == "some" else judged

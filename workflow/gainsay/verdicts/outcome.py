@@ -61,6 +61,8 @@ class Outcome:
         What it means to hold, one phrase.
     turning : str
         Where the outcome turns along a threshold that the paper does not print, one phrase.
+    one_is_enough : bool
+        Whether the sentence says `can` or the like, so that one sample bears it out.
     """
 
     claim: str
@@ -77,13 +79,19 @@ class Outcome:
     boundary: Boundary | None
     criterion: str
     turning: str = ""
+    one_is_enough: bool = False
 
     @property
     def outcome(self) -> str:
-        """``holds`` for every sample and reading, ``fails`` for every one, or ``depends``."""
-        if self.holding == self.samples:
+        """``holds`` for every sample and reading, or for one where that is enough; ``fails`` for every; ``depends``.
+
+        Where one would be enough and no sample of a range has it, others may: ``open``.
+        """
+        if self.holding == self.samples or (self.one_is_enough and self.holding):
             return "holds"
-        return "fails" if self.at_best == 0 else "depends"
+        if self.at_best:
+            return "depends"
+        return "open" if self.one_is_enough and not self.finite else "fails"
 
     def _phrase(self, found: Pair | None) -> str:
         if found is None:
@@ -96,8 +104,8 @@ class Outcome:
     def witness(self) -> str:
         """One sentence: the counterexample, or both outcomes with the boundary between them."""
         if self.outcome == "holds":
-            return ""
-        if self.outcome == "fails":
+            return f"borne out by {self._phrase(self.holds_at)}" if self.one_is_enough else ""
+        if self.outcome in ("fails", "open"):
             return self._phrase(self.fails_at)
         return "; ".join(part for part in (self.turning, self._turns()) if part)
 
@@ -129,7 +137,8 @@ class Outcome:
         """How many samples hold, and what holding means."""
         count = str(self.holding) if self.holding == self.at_best else f"{self.holding} to {self.at_best}"
         of = "readings" if self.finite else "plausible inputs"
-        return f"holds at {count} of {self.samples} {of} ({self.quantity} {self.criterion})"
+        enough = ", of which one is enough" if self.one_is_enough else ""
+        return f"holds at {count} of {self.samples} {of}{enough} ({self.quantity} {self.criterion})"
 
 
 class _Found(BaseModel):
@@ -149,6 +158,7 @@ class ScanFile(_Found):
     sequence: str
     inputs: list[dict[str, float | str | bool | list[float | str]]]
     crossings: list[_Found]
+    bears_out: list[str] = []
 
 
 def _short(value: Any) -> str:
@@ -223,7 +233,7 @@ def outcome(claim: Claim, scan: Mapping[str, Any]) -> Outcome:
         crossings.append((first, second))
     turns = strict if holding or not at_best else lenient
     boundary, holds_at, fails_at = _boundary(inputs, turns, crossings, found)
-    parts: dict[str, Any] = {"criterion": strict.phrase}
+    parts: dict[str, Any] = {"criterion": strict.phrase, "one_is_enough": claim.holds_for == "some"}
     if strict != lenient:
         parts["criterion"] = f"{strict.phrase} to {lenient.phrase}"
         if at_best and holding < len(found):

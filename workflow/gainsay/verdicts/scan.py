@@ -46,6 +46,8 @@ class Scan:
         The quantity at every sample, scattered ones first, then the corners.
     crossings : tuple of pairs of (float, Point)
         Two points that differ in one input, close to each other or two values of a choice, between which a claim turns.
+    bears_out : tuple of str
+        Printed parameters that every point bears out: it is a condition of what is said of the points.
     """
 
     quantity: str
@@ -53,6 +55,7 @@ class Scan:
     seed: int
     found: tuple[Pair, ...]
     crossings: tuple[tuple[Pair, Pair], ...]
+    bears_out: tuple[str, ...] = ()
 
     @property
     def note(self) -> str:
@@ -79,6 +82,7 @@ class Scan:
                 {"values": [value for value, _ in pair], "points": [row(point) for _, point in pair]}
                 for pair in self.crossings
             ],
+            "bears_out": list(self.bears_out),
         }
 
 
@@ -91,6 +95,7 @@ def scan(
     samples: int = 256,
     seed: int = 0,
     admissible: Callable[[Mapping], bool] | None = None,
+    bears_out: Sequence[str] = (),
     width: float = 1e-3,
     together: Callable[[Sequence[Point]], Sequence[float]] | None = None,
     parts: int = 2,
@@ -111,6 +116,8 @@ def scan(
     seed : int
     admissible : callable, optional
         See `sample`.
+    bears_out : sequence of str
+        Printed parameters that the admissible points bear out; claims on the quantity name them in `given`.
     width : float
         Fraction of an input's range at which the bisection stops.
     together : callable, optional
@@ -154,7 +161,7 @@ def scan(
         if claim.quantity == quantity and claim.comparator in NUMERIC:
             for one in criteria(claim):
                 crossings += _crossing(inputs, found, values_at, one.holds, admissible, width, parts)
-    return Scan(quantity, tuple(inputs), seed, tuple(found), tuple(crossings))
+    return Scan(quantity, tuple(inputs), seed, tuple(found), tuple(crossings), tuple(bears_out))
 
 
 def _crossing(

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 
 from gainsay.tables import Case
 from gainsay.tables.models import VERDICTS
+from gainsay.tables.sentences import of_sentence, sentences
 from gainsay.verdicts.evidence import Evidence, read_evidence
 from gainsay.verdicts.judge import Judgement, judge
 
@@ -33,7 +34,7 @@ def _from_the_scan(case: Case, judged: Judgement, evidence: Evidence) -> list[st
     return [name for name, row in case.parameters.items() if name in read and row.unconfirmed]
 
 
-def _row(case: Case, claim_id: str, judged: Judgement, evidence: Evidence) -> dict[str, object]:
+def _row(case: Case, claim_id: str, judged: Judgement, evidence: Evidence, of: str) -> dict[str, object]:
     claim = case.claims[claim_id]
     return {
         "claim": claim.id,
@@ -56,6 +57,10 @@ def _row(case: Case, claim_id: str, judged: Judgement, evidence: Evidence) -> di
         "given": claim.given,
         "weight": claim.weight,
         "digits": " ".join(_from_the_scan(case, judged, evidence)),
+        "holds_for": claim.holds_for,
+        "sentence": claim.sentence,
+        "as_read": claim.as_read,
+        "of_sentence": of,
     }
 
 
@@ -74,4 +79,6 @@ def verdict_rows(case: Case) -> tuple[list[dict[str, object]], Evidence]:
     for claim in sorted(case.claims.values(), key=lambda claim: claim.comparator == "all_of"):
         judged[claim.id] = judge(case, claim, evidence, verdicts)
         verdicts[claim.id] = judged[claim.id].verdict
-    return [_row(case, claim_id, judged[claim_id], evidence) for claim_id in case.claims], evidence
+    spoken = sentences(case.claims.values())
+    of = {claim.id: of_sentence((c, verdicts[c.id]) for c in together) for together in spoken for claim in together}
+    return [_row(case, claim_id, judged[claim_id], evidence, of[claim_id]) for claim_id in case.claims], evidence
