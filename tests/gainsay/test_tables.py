@@ -17,7 +17,7 @@ from gainsay.tables import find_root, paper_names, read_case
 from gainsay.tables.docs import documents, escaped
 from gainsay.tables.files import cell, read_csv, write_atomically, write_csv, write_json
 from gainsay.tables.lint import _claim_faults, given_of
-from gainsay.tables.sentences import sentences, worst
+from gainsay.tables.sentences import of_sentence, sentences, worst
 from gainsay.tables.units import UNITS, to_si
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -225,7 +225,8 @@ def test_each_sentence_has_one_row_with_every_claim_of_it():
         assert len(rows) == len(spoken) + 2
         for together in spoken:
             holding = [row for row in rows if all(escaped(claim.statement) in row for claim in together)]
-            assert any(row.startswith(f"| {worst(c.expected for c in together)} |") for row in holding), together[0].id
+            expected = of_sentence((c, c.expected) for c in together)
+            assert any(row.startswith(f"| {expected} |") for row in holding), together[0].id
 
 
 def test_units_convert_to_units_that_are_si_themselves():
