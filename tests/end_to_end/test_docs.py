@@ -70,11 +70,11 @@ def test_the_guide_from_an_empty_folder(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_tutorial_is_clean_in_a_project_of_its_own(tmp_path):
+def test_the_examples_are_clean_in_a_project_of_their_own(tmp_path):
     root = tmp_path / "own"
     assert main(["new", "--project", str(root), "toy2001"]) == 0
     shutil.rmtree(root / "papers/toy2001")
-    shutil.copytree(ROOT / "docs/examples/double_integrator", root / "papers/double_integrator")
+    shutil.copytree(ROOT / "docs/examples", root / "papers", dirs_exist_ok=True)
     done = subprocess.run(
         [str(Path(sys.executable).parent / "snakemake"), "--cores", "2"], cwd=root, capture_output=True, text=True,
         check=False, timeout=600,
@@ -90,8 +90,13 @@ def test_the_tutorial_is_clean_in_a_project_of_its_own(tmp_path):
     assert len(captions) == 4
     for caption in captions:
         assert " ".join(caption) in page
-    with (root / "results/double_integrator/quantities.csv").open(newline="") as file:
-        found = {row["quantity"]: float(row["value"]) for row in csv.DictReader(file)}
+    found = {}
+    for name in ("double_integrator", "scherer1997"):
+        with (root / "results" / name / "quantities.csv").open(newline="") as file:
+            found |= {row["quantity"]: float(row["value"]) for row in csv.DictReader(file)}
+    # as python-control documents it; and as H2 norms and H-infinity norms, which the inequalities bound from above
+    assert found["h2.least"] == pytest.approx(7.748350599360575, rel=1e-13)
+    assert found["h2.least"] < found["audit.h2"] < 9 and found["hinf.least"] < found["audit.hinf"] < 23.6
     # closed forms, but for the digits of the printed gain: sqrt(2), root of the golden ratio, exp(-pi)
     assert found["riccati.p11"] == pytest.approx(math.sqrt(2), rel=1e-12)
     assert found["audit.peak"] == pytest.approx(math.sqrt((1 + math.sqrt(5)) / 2), abs=2e-4)
