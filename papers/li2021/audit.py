@@ -73,7 +73,7 @@ def unstable_fraction(case: Case, gains: Gains, batch: int = 20_000) -> tuple[fl
     for first in range(0, total, batch):
         factors = 1 + generator.random((min(batch, total - first), 12))
         loops = plant.closed_loop(nominal, gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
-        unstable += int(np.sum(HalfPlane().reach(loops) >= 0))
+        unstable += int(np.sum(~HalfPlane().each(loops)))
     share = unstable / total
     return share, float(np.sqrt(share * (1 - share) / total))
 

@@ -17,6 +17,7 @@ from gainsay.lmi import (
     Undecided,
     backends,
     equal,
+    find_point,
     infimum,
     matrix,
     positive,
@@ -72,6 +73,21 @@ def test_solved_has_the_margin_asked_for_in_every_block():
     np.testing.assert_allclose(result.check.blocks["P > 0"], p)
     assert PEAK**2 < result.objective < PEAK**2 * (1 + 1e-4)
     assert all({"solver", "status", "iterations"} <= set(a) for a in result.attempts)
+
+
+def test_a_point_is_found_as_solve_finds_it_and_none_says_no_more():
+    program = _bounded_real(A, B, C)
+    found, solved = find_point(program), solve(program)
+    assert found.objective == solved.objective and found.margins == solved.margins
+    # A has its eigenvalues on the left: the inequality has a point, and with -A none (Lyapunov)
+    p = symmetric("P", 2)
+    stable, unstable = (
+        Program(subject_to=[(sym(sign * A.T @ p) < 0).named("L"), (p > 0).named("P")], label="L") for sign in (1, -1)
+    )
+    assert find_point(stable, near={"P": np.eye(2)}) is not None
+    assert find_point(unstable) is None
+    # what needs no solver
+    assert isinstance(find_point(Program(subject_to=[(0 * p + np.eye(2) > 0).named("I")], label="I")), Solved)
 
 
 def test_the_two_routes_to_the_solver_agree():

@@ -39,6 +39,26 @@ def test_lyapunov_matrices_prove(seed):
     assert np.linalg.eigvalsh(P)[0] > 0 and np.linalg.eigvalsh(shifted.T @ P + P @ shifted)[-1] < 0
 
 
+@given(st.integers(0, 10_000), st.integers(1, 8), st.sampled_from([-0.5, 0.0, 2.0]), st.integers(-9, 9))
+@settings(deadline=None)
+def test_each_of_a_stack_is_judged_as_by_its_eigenvalues(seed, n, abscissa, decades):
+    generator = np.random.default_rng(seed)
+    stack = 10.0**decades * generator.standard_normal((3, 5, n, n))
+    stack -= stack.shape[-1] ** 0.5 * 10.0**decades * generator.random((3, 5, 1, 1)) * np.eye(n)
+    reach = HalfPlane(abscissa).reach(stack)
+    clear = np.abs(reach - abscissa) > 1e-9 * (1 + 10.0**decades)  # nearer than that either answer is rounding
+    np.testing.assert_array_equal(HalfPlane(abscissa).each(stack)[clear], (reach < abscissa)[clear])
+
+
+def test_each_near_the_axis_and_without_an_inverse():
+    # 1 is an eigenvalue of the second and the size by which its Cayley transform would be taken
+    turning = np.array([[-1e-12, 1.0], [-1.0, -1e-12]])
+    stack = np.stack([turning, np.diag([1.0, -1.0]), -turning, np.zeros((2, 2)), np.array([[-1.0, 1e12], [0.0, -1.0]])])
+    assert HalfPlane().each(stack).tolist() == [True, False, False, False, True]
+    assert HalfPlane().each(np.zeros((0, 3, 3))).shape == (0,)
+    assert HalfPlane().each(np.tile(-np.eye(3), (1100, 1, 1))).all()  # more than are taken at once
+
+
 def test_refusals():
     with pytest.raises(InputError, match="outside the disk"):
         Disk(1.0, 0.5).lyapunov_matrix(np.eye(2))

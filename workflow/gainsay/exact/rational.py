@@ -65,6 +65,8 @@ def to_fmpq(value: object) -> fmpq:
     """`exact(value)` as a python-flint rational."""
     if isinstance(value, fmpq):
         return value
+    if isinstance(value, float) and math.isfinite(value):  # at once: blocks hold thousands
+        return fmpq(*value.as_integer_ratio())
     fraction = exact(value)
     return fmpq(fraction.numerator, fraction.denominator)
 

@@ -20,7 +20,7 @@ from gainsay.lmi.common_margin import by_margin
 from gainsay.lmi.interior import interior_multipliers
 from gainsay.lmi.outcomes import Farkas, Infeasible, Infimum, Solved, Unbounded, Undecided
 from gainsay.lmi.program import Check, Program, Scale
-from gainsay.lmi.solving import estimate, infimum, solve
+from gainsay.lmi.solving import find_point, infimum, solve
 from gainsay.lmi.sweep import Range, Threshold, ranges, sweep, threshold
 
 __all__ = [
@@ -46,7 +46,7 @@ __all__ = [
     "by_margin",
     "diagonal",
     "equal",
-    "estimate",
+    "find_point",
     "infimum",
     "interior_multipliers",
     "matrix",

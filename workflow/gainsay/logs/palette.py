@@ -6,6 +6,7 @@ deuteranopia, protanopia and in grey print. A role names what a curve *is*; nobo
 
 import colorsys
 from dataclasses import dataclass
+from functools import cache
 from types import MappingProxyType
 
 from gainsay.errors import InputError
@@ -81,6 +82,7 @@ def _linear(level: int) -> float:
     return part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
 
 
+@cache
 def on_both(name: str) -> tuple[int, int, int]:
     """Colour of a role that stands out 3:1 both from white and from the dark ground, for what has one colour in both.
 

@@ -5,6 +5,7 @@ Viewers draw them; nothing is computed from them. Lengths are metres in the fram
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from gainsay.logs.schemas import check_name, foxglove_class
 UPDATES = 400
 """Most updates drawn of a moving element; the exact numbers are in the signals."""
 _SEGMENTS = 12
+# corners of a plate's triangles, of its edges' points: left and right of a place, then those of the next
+_TRIANGLES = np.concatenate([2 * i + np.array([0, 1, 2, 2, 1, 3]) for i in range(_SEGMENTS)])
 _CANTILEVER = (1.8751040687119611, 4.694091132974175, 7.854757438237613, 10.995540734875467)
 
 
@@ -184,18 +187,24 @@ def _text(made: Any, place: np.ndarray, words: str, role: str, size: float) -> N
     _colour(text.color, role)
 
 
-def plate(appendage: Appendage, modal: np.ndarray) -> np.ndarray:
-    """Corners (72, 3) of the triangles of a plate deflected by its modal coordinates, m."""
+@cache
+def _outline(appendage: Appendage) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Of a plate that does not change: its spine at rest, half its width, its normal, and its modes along it."""
     root, along, normal = (np.asarray(v, dtype=float) for v in (appendage.root, appendage.along, appendage.normal))
     across = np.cross(normal, along) * (0.5 * appendage.width)
     place = np.linspace(0.0, 1.0, _SEGMENTS + 1)
-    rise = np.zeros_like(place)
-    for number, tip in enumerate(appendage.tip):
-        rise += tip * modal[number] * bending_mode(number, place)
-    spine = root + appendage.length * place[:, None] * along + rise[:, None] * normal
-    left, right = spine + across, spine - across
-    corners = [(left[i], right[i], left[i + 1], left[i + 1], right[i], right[i + 1]) for i in range(_SEGMENTS)]
-    return np.array(corners).reshape(-1, 3)
+    modes = np.array([bending_mode(number, place) for number in range(len(appendage.tip))])
+    return root + appendage.length * place[:, None] * along, across, normal, modes
+
+
+def plate(appendage: Appendage, modal: np.ndarray) -> np.ndarray:
+    """Corners (72, 3) of the triangles of a plate deflected by its modal coordinates, m."""
+    rest, across, normal, modes = _outline(appendage)
+    rise = np.zeros(len(rest))
+    for tip, coordinate, mode in zip(appendage.tip, modal, modes, strict=False):
+        rise += tip * coordinate * mode
+    spine = rest + rise[:, None] * normal
+    return np.stack([spine + across, spine - across], axis=1).reshape(-1, 3)[_TRIANGLES]
 
 
 def body(frame: str, shape: Body, modal: np.ndarray) -> Any:

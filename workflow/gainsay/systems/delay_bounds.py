@@ -17,12 +17,11 @@ from gainsay.lmi import (
     Definite,
     Infimum,
     Program,
-    Solved,
     block_diagonal,
     equal,
+    find_point,
     infimum,
     scalar,
-    solve,
     sym,
     symmetric,
     trace,
@@ -150,7 +149,7 @@ def proved_delay(
     while high - low > relative * limit:
         middle = (low + high) / 2
         held = [Definite(f"block {i}", block) for i, block in enumerate(blocks(middle))]
-        if isinstance(solve(Program(subject_to=held, label="delay condition")), Solved):
+        if find_point(Program(subject_to=held, label="delay condition")) is not None:
             low = middle
         else:
             high = middle

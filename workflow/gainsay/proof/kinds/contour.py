@@ -13,7 +13,7 @@ gamma^2 |d|^2 - |y|^2 added, > 0 on the whole axis, proves that the H-infinity n
 
 The boundary is s = -a + b exp(i pi t), or s = alpha + i w0 tan(pi t / 2), 0 <= t <= 1: its upper half, which is enough
 since the data are real. Nothing is sampled: each piece of an arc is settled as a whole, by the form at its middle and
-a bound on its change over the piece, and bisected where that does not do. With s = u / v and K = u I - v A,
+a bound on its change over the piece, and cut in two where that does not do. With s = u / v and K = u I - v A,
 
     M(s) - M(s0) = (v u0 - v0 u) Cz K^-1 K0^-1 H,     K^-1 = K0^-1 - K0^-1 (K - K0) K^-1,
 
@@ -47,6 +47,8 @@ OPTIONAL = ("Dw", "shift", "radius", "alpha", "scale", "B", "C", "D", "Dd", "Ew"
 LEVELS = ("alpha", "radius", "gamma")
 FOUND = ("arcs", "scale")
 _DEPTH, _MOST_ARCS = 16, 2000
+# pieces of one length proved in a row after which the double length is tried
+_LONGER = 4
 
 
 @dataclass(frozen=True)
@@ -164,14 +166,33 @@ class _Arc:
             self.skew = acb_mat(grid)
             self.steepness = arb(max(abs(x / y) for x, y in zip(g, d, strict=True)))
 
-    def settled(self, low: Fraction, high: Fraction, depth: int = 0) -> bool:
-        """Whether the form is proved positive on the piece from low to high."""
-        if self._whole(low, high):
-            return True
-        if depth == _DEPTH:
-            return False
-        middle = (low + high) / 2
-        return self.settled(low, middle, depth + 1) and self.settled(middle, high, depth + 1)
+    def settled(self, low: Fraction, high: Fraction, depth: int = 0) -> int | None:
+        """Prove the form positive from low to high by pieces, each a dyadic part of the whole.
+
+        Parameters
+        ----------
+        low, high : Fraction
+        depth : int, optional
+            Pieces tried first are 2^-depth of the whole; where that is too long a half is tried, and after a few that
+            were proved the double.
+
+        Returns
+        -------
+        int or None
+            Depth of the last piece; None where a piece of the least length is not proved.
+        """
+        place = proved = 0  # pieces before this one, were all as long; pieces proved since the length changed
+        while place < 1 << depth:
+            length = (high - low) / (1 << depth)
+            if self._whole(low + place * length, low + (place + 1) * length):
+                place, proved = place + 1, proved + 1
+                if proved >= _LONGER and depth and place % 2 == 0:
+                    place, depth, proved = place // 2, depth - 1, 0
+            elif depth == _DEPTH:
+                return None
+            else:
+                place, depth, proved = 2 * place, depth + 1, 0
+        return depth
 
     def _whole(self, low: Fraction, high: Fraction) -> bool:
         spend(30_000 + 25 * (self.plant.a.nrows() + self.form_unit.nrows()) ** 3, "a piece of an arc")
@@ -276,10 +297,13 @@ def prove(scope: Scope) -> list[Proved]:
     of_z = diagonal([eye(s[1]).scaled(Matrix.number(x)) for s, x in zip(sizes, first, strict=True)])
     demand(scope, of_w - dw.T @ of_z @ dw, ">", "D - Dw' D Dw")
     plant = _plant(lyapunov, (a, into, out, through), arb(to_fmpq(centre)), arb(to_fmpq(radius)), disk)
+    depth = 0  # arcs one after the other are cut alike
     for number, (low, high, (d, g)) in enumerate(zip(ends[:-1], ends[1:], rows, strict=True), 1):
         spend(100_000, "an arc")
-        if not _Arc(plant, d, g, sizes, (inputs, outputs, level)).settled(low, high):
+        reached = _Arc(plant, d, g, sizes, (inputs, outputs, level)).settled(low, high, depth)
+        if reached is None:
             raise scope.fail(f"arc {number}, t from {to_text(low)} to {to_text(high)}, is not proved")
+        depth = reached
     if disk:
         result = [Proved("radius", "less_than", to_text(radius))]
         return [*result, Proved("stable", "holds")] if radius <= -centre else result
