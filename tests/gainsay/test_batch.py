@@ -43,6 +43,14 @@ def test_every_flight_follows_its_closed_form_in_every_segment():
     assert last == 30.0
 
 
+def test_chosen_flights_are_where_all_flights_are():
+    for segment in flights():
+        times = np.concatenate([segment.steps, segment.grid(5)])
+        chosen = np.arange(len(times)) % 3
+        np.testing.assert_array_equal(segment.of(chosen, times), segment(times)[np.arange(len(times)), chosen])
+        assert segment.of(chosen[:0], times[:0]).shape == (0, 2)
+
+
 def test_peaks_and_crossings_lie_where_the_closed_form_has_them():
     (segment,) = segments(decay, STARTS[1:2].repeat(3, axis=0), 12.0, rtol=1e-12, atol=np.full(2, 1e-13), length=20.0)
     w = np.sqrt(RATES**2 - 0.01)
