@@ -17,7 +17,7 @@ from gainsay.logs.reader import Log, read_log
 FOXGLOVE_SUFFIX = ".foxglove.json"
 
 
-def write_views(mcap: Path, layout: Layout) -> list[Path]:
+def write_views(mcap: Path, layout: Layout, log: Log | None = None) -> list[Path]:
     """Write ``<run>.rrd`` and ``<run>.foxglove.json`` beside ``<run>.mcap``.
 
     Parameters
@@ -26,6 +26,8 @@ def write_views(mcap: Path, layout: Layout) -> list[Path]:
         The log.
     layout : Layout
         What is shown; it is checked against the log first.
+    log : Log, optional
+        The log as read, where it was read already.
 
     Returns
     -------
@@ -38,7 +40,7 @@ def write_views(mcap: Path, layout: Layout) -> list[Path]:
         The log is damaged, the layout does not fit it, or Rerun fails.
     """
     mcap = Path(mcap)
-    log = read_log(mcap)
+    log = read_log(mcap) if log is None else log
     fitted = layout.for_run(mcap.stem, log.metadata)
     check_layout(fitted, log)
     rrd, foxglove = mcap.with_suffix(".rrd"), mcap.with_suffix(FOXGLOVE_SUFFIX)

@@ -28,8 +28,9 @@ def views(case: Case) -> None:
             path.with_suffix(".rrd").unlink(missing_ok=True)  # an old view must not stand for a log that fails now
             if not path.is_file():
                 raise ComputationError(run, "the run left no log")
-            topics.add(run, read_log(path))
-            for made in write_views(path, layout):
+            log = read_log(path)
+            topics.add(run, log)
+            for made in write_views(path, layout, log):
                 derived = made.suffix == ".rrd"  # its bytes are never the same twice
                 results.made(f"logs/{made.name}", of=f"logs/{path.name}" if derived else "")
             results.say(run, f"{path.with_suffix('.rrd').name} opens with its layout")
