@@ -158,3 +158,20 @@ def test_without_a_proof_a_point_is_undecided_whatever_the_solver_said(project, 
     wrong = SimpleNamespace(level=1.0, values={"P": np.eye(2) * 2}, multipliers={})
     monkeypatch.setattr("gainsay.campaigns.feasibility.candidates", lambda program: iter([wrong]))
     assert certified(lyapunov(case, {"s": "0.5"}), "x", "P") == (UNDECIDED, None)
+
+
+def test_a_map_over_three_inputs_has_a_panel_for_each_value_of_the_third(project):
+    from matplotlib.figure import Figure
+
+    case = read_case(project.root, "toy")
+    row = MAP.model_copy(update={"inputs": "s=1..2; t=1..2; u=1..100 log", "resolution": "2x2x3"})
+    plan = Plan(case, row, feasibility_map(("s", "t", "u"), lyapunov, "P at s = {s}"), "0" * 16)
+    points = [point for block in plan.blocks() for point in block.points()]
+    outcome = [FEASIBLE if p["u"] == "10" else INFEASIBLE for p in points]
+    rows = {name: np.array([float(p[name]) for p in points]) for name in ("s", "t", "u")}
+    figure = Figure()
+    plan.evaluation.draw(figure, plan, iter([{**rows, "index": np.arange(12), "outcome": np.array(outcome)}]))
+    drawn = [[len(held.get_offsets()) for held in axes.collections] for axes in figure.axes]
+    # feasible, infeasible, undecided in each of the panels u = 1, 10, 100
+    assert drawn == [[0, 4, 0], [4, 0, 0], [0, 4, 0]]
+    assert [axes.get_title() for axes in figure.axes] == ["u = 1", "u = 10", "u = 100"]

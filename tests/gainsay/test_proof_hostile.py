@@ -13,7 +13,7 @@ from gainsay.errors import CertificateError
 from gainsay.exact.budget import BudgetError, budget
 from gainsay.exact.matrix import Matrix, RingError, eye, zeros
 from gainsay.exact.rational import exact
-from gainsay.proof import Certificate, Conclusion, MappingTables, build, check
+from gainsay.proof import Certificate, Conclusion, MappingTables, build, check, formulas
 from gainsay.proof.certificate import LARGEST_FILE, _digest
 from gainsay.proof.guarded import check_file_within
 
@@ -358,3 +358,13 @@ def test_time_and_memory_have_an_end(tmp_path, monkeypatch):
 def test_the_timeout_is_a_time(seconds, tmp_path):
     with pytest.raises(SystemExit):
         main(["--root", str(ROOT), "prove", "--timeout", seconds, str(tmp_path)])
+
+
+def test_a_formula_that_was_read_before_costs_what_it_cost():
+    """What is kept of it saves time, no work: otherwise a refusal would hang on what was read before."""
+    text = "first_a + second_b"
+    for _ in range(3):
+        with pytest.raises(CertificateError), budget(49 * len(text)):
+            formulas.names_in(text)
+        with budget(51 * len(text)):
+            assert formulas.names_in(text) == {"first_a", "second_b"}

@@ -160,6 +160,30 @@ def test_small_campaigns_agree_with_what_is_known_of_the_papers():
 
 
 @pytest.mark.slow
+def test_the_map_of_pinheiro2013_turns_at_the_least_trace_that_other_proofs_enclose():
+    from gainsay.campaigns.feasibility import certified
+    from papers.pinheiro2013.campaigns import equation_21
+
+    case = CASES["pinheiro2013"]
+    least = float(case.recorded["a.gamma_2.sqrt_trace.pitch"].value)
+    assert case.number("angle_weight") == 0.1
+    for share, outcome in ((0.99, "infeasible"), (1.01, "feasible")):
+        point = {"inertia": "1", "angle_weight": "0.1", "bound": f"{share * least:.6g}"}
+        assert certified(equation_21(case, point), "x", "solution")[0] == outcome
+
+
+@pytest.mark.slow
+def test_the_scan_of_wan2014_gives_the_thrust_of_a_flight_flown_alone():
+    """At the start that the other flights of the paper take; the record is of another integrator's run."""
+    from papers.wan2014.campaigns import thrust_ratio
+
+    case = CASES["wan2014"]
+    points = [{"estimate_position_share": p, "estimate_velocity_share": "0"} for p in ("1", "0.5")]
+    alone = float(case.recorded["audit.thrust_ratio"].value)
+    assert thrust_ratio(case, points)[0] == pytest.approx(alone, rel=1e-7)
+
+
+@pytest.mark.slow
 def test_draws_are_those_that_floating_point_finds_where_it_is_far_from_the_border():
     from gainsay.campaigns import Plan
     from gainsay.systems.regions import HalfPlane

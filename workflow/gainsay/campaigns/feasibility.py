@@ -15,6 +15,9 @@ from gainsay.tables import Case
 FEASIBLE, INFEASIBLE, UNDECIDED = "feasible", "infeasible", "undecided"
 #: what is proved inside, proved outside, and the band between
 COLOURS = {FEASIBLE: "#4c9f70", INFEASIBLE: "#b5495b", UNDECIDED: "#c9c9c9"}
+_MARKERS = {FEASIBLE: "o", INFEASIBLE: "x", UNDECIDED: "s"}
+#: values of a third input that are drawn beside each other
+_PANELS = 4
 
 
 def certified(stated: Stated, name: str, sentence: str) -> tuple[str, Certificate | None]:
@@ -113,21 +116,30 @@ def _plain(value: Any) -> Any:
 
 
 def _draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> None:
-    """Points by outcome over the first two inputs; of further inputs all layers above each other, undecided on top."""
+    """Points by outcome over the first two inputs, a panel for each value of a third; of more inputs all together."""
     first, second = plan.axes[0], plan.axes[1] if len(plan.axes) > 1 else None
-    axes = figure.subplots()
-    places: dict[str, tuple[list, list]] = {outcome: ([], []) for outcome in COLOURS}
+    layers = plan.counts[2] if len(plan.axes) == 3 and plan.counts[2] <= _PANELS else 1
+    panels = figure.subplots(1, layers, sharex=True, sharey=True, squeeze=False)[0]
+    places: dict[tuple[int, str], tuple[list, list]] = {(k, name): ([], []) for k in range(layers) for name in COLOURS}
     for batch in rows:
-        for outcome, (x, y) in places.items():
-            chosen = batch["outcome"] == outcome
+        for (layer, outcome), (x, y) in places.items():
+            # the last input runs fastest
+            chosen = (batch["outcome"] == outcome) & (batch["index"] % layers == layer)
             x.extend(batch[first.name][chosen])
             y.extend(batch[second.name][chosen] if second else np.zeros(chosen.sum()))
-    for outcome, (x, y) in places.items():
-        marker = {"feasible": "o", "infeasible": "x", "undecided": "s"}[outcome]
-        axes.scatter(x, y, s=14, marker=marker, color=COLOURS[outcome], linewidths=1, label=f"{outcome}: {len(x)}")
-    for side, axis in (("x", first), ("y", second)):
-        if axis is not None:
-            getattr(axes, f"set_{side}label")(axis.name)
-            getattr(axes, f"set_{side}scale")("log" if axis.logarithmic else "linear")
-    axes.margins(0.04)
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=3)
+    for (layer, outcome), (x, y) in places.items():
+        panels[layer].scatter(x, y, s=14, marker=_MARKERS[outcome], color=COLOURS[outcome], linewidths=1)
+    for layer, axes in enumerate(panels):
+        axes.set_xlabel(first.name)
+        axes.set_xscale("log" if first.logarithmic else "linear")
+        if layers > 1:  # there is no room for the digits between the decades
+            axes.tick_params(axis="x", which="minor", labelbottom=False)
+        axes.margins(0.04)
+        if layers > 1:
+            axes.set_title(f"{plan.axes[2].name} = {plan.axes[2].value(layer, layers)}")
+    if second is not None:
+        panels[0].set_ylabel(second.name)
+        panels[0].set_yscale("log" if second.logarithmic else "linear")
+    counted = {outcome: sum(len(places[k, outcome][0]) for k in range(layers)) for outcome in COLOURS}
+    labels = [f"{outcome}: {count}" for outcome, count in counted.items()]
+    figure.legend(panels[0].collections, labels, loc="outside upper left", ncols=3)

@@ -39,6 +39,9 @@ def grid_scan(
 
     def draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> None:
         axes = figure.subplots()
+        if len(plan.axes) == 2:
+            _draw_plane(figure, axes, plan, quantity, np.concatenate([batch[quantity] for batch in rows]), holds)
+            return
         for batch in rows:
             axes.plot(batch["index"], batch[quantity], ".", color="C0", markersize=2)
         axes.axhline(holds, color="0.4", linewidth=0.8)
@@ -47,3 +50,20 @@ def grid_scan(
 
     columns = {**dict.fromkeys(inputs, "float64"), quantity: "float64"}
     return Evaluation("scan", inputs, columns, block, count, told, draw)
+
+
+def _draw_plane(figure: Any, axes: Any, plan: Plan, quantity: str, values: np.ndarray, holds: float) -> None:
+    """Numbers over two inputs in colour, and the line on which they reach the bound."""
+    sides = [
+        [float(axis.value(k, count)) for k in range(count)] for axis, count in zip(plan.axes, plan.counts, strict=True)
+    ]
+    # the second input runs fastest
+    plane = values.reshape(plan.counts).T
+    shown = axes.pcolormesh(*sides, plane, shading="nearest", cmap="viridis", rasterized=True)
+    if plane.min() < holds < plane.max():
+        axes.contour(*sides, plane, levels=[holds], colors="white")
+    for side, axis in zip("xy", plan.axes, strict=True):
+        getattr(axes, f"set_{side}label")(axis.name)
+        getattr(axes, f"set_{side}scale")("log" if axis.logarithmic else "linear")
+    axes.grid(False)
+    figure.colorbar(shown, ax=axes, label=f"{quantity}, line at {holds:g}")

@@ -32,6 +32,7 @@ import ast
 import keyword
 import re
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from math import isqrt
 from typing import Any, Protocol
 
@@ -44,6 +45,7 @@ from gainsay.exact.budget import spend
 from gainsay.exact.matrix import Matrix, RingError, eye, zeros
 from gainsay.exact.rational import exact
 from gainsay.proof.syntax import (
+    KEPT,
     OPERATORS,
     compared,
     integers,
@@ -124,9 +126,16 @@ def constraint(text: str, names: Mapping[str, Matrix], source: Source) -> tuple[
     return difference, relation
 
 
-def names_in(text: str) -> set[str]:
+def names_in(text: str) -> frozenset[str]:
     """Names that a formula or a constraint uses, those of functions and constants left out."""
-    return {node.id for node in ast.walk(parse(text)) if isinstance(node, ast.Name)} - {*_FUNCTIONS, *_CONSTANTS}
+    parse(text)  # refuses what is no formula, and counts its length, whether it was read before or not
+    return _names(one_line(text))
+
+
+@lru_cache(maxsize=KEPT)
+def _names(line: str) -> frozenset[str]:
+    found = {node.id for node in ast.walk(ast.parse(line, mode="eval")) if isinstance(node, ast.Name)}
+    return frozenset(found - {*_FUNCTIONS, *_CONSTANTS})
 
 
 def parameter_of(text: str, definitions: Mapping[str, str]) -> str | None:

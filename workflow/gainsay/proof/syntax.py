@@ -4,14 +4,15 @@ import ast
 import operator
 import re
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import Any, Literal
 
 from gainsay.errors import CertificateError
 from gainsay.exact.budget import spend
 
 __all__ = [
-    "LARGEST_SIZE", "OPERATORS", "Relation", "compared", "integers", "is_star", "literal_integer", "one_line", "parse",
-    "quote", "segment", "subscripts",
+    "KEPT", "LARGEST_SIZE", "OPERATORS", "Relation", "compared", "integers", "is_star", "literal_integer", "one_line",
+    "parse", "quote", "segment", "subscripts",
 ]  # fmt: skip
 
 Relation = Literal["<", "<=", "==", ">=", ">"]
@@ -23,6 +24,8 @@ OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
 #: largest literal integer: sizes, subscripts
 LARGEST_SIZE = 400
 _LONGEST = 20_000
+#: formulas whose reading is kept
+KEPT = 512
 # What an expression of the language is made of: no comments, escapes or characters that do not show.
 _ALLOWED = re.compile(r"[A-Za-z0-9_ \n+\-*/@.,:()\[\]'<>=]*", re.ASCII)
 
@@ -52,9 +55,15 @@ def parse(text: str) -> ast.expr:
         raise CertificateError(f"formula {quote(text)}: a character that is not part of the formula language")
     try:
         spend(50 * len(text), "a formula")
-        return ast.parse(one_line(text), mode="eval").body
+        return _tree(one_line(text))
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise CertificateError(f"formula {quote(text)}: not an expression") from error
+
+
+@lru_cache(maxsize=KEPT)
+def _tree(line: str) -> ast.expr:
+    """Syntax tree; the same formula is read at every point of a map, and nobody changes a tree."""
+    return ast.parse(line, mode="eval").body
 
 
 def segment(text: str, node: ast.expr) -> str:

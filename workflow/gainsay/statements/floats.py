@@ -100,9 +100,9 @@ class Floats:
             self._affine[name] = self.value(self.definitions[name])
         return self._affine[name]
 
-    def holds_unknowns(self, node: ast.AST) -> bool:
-        """Whether a part of a formula holds unknowns."""
-        return any(isinstance(part, ast.Name) and part.id in self._free for part in ast.walk(node))
+    def is_free(self, name: str) -> bool:
+        """Whether a name is an unknown, or a definition that holds unknowns."""
+        return name in self._free
 
 
 class _Walk:
@@ -110,21 +110,35 @@ class _Walk:
 
     def __init__(self, floats: Floats, text: str) -> None:
         self.floats, self.line = floats, one_line(text)
+        self._with_unknowns: set[int] = set()
 
     def run(self, node: ast.expr) -> Affine:
         try:
+            self._note(node)
             return self.visit(node)
         except GainsayError:
             raise
         except (ValueError, ArithmeticError, RecursionError) as error:
             raise self.fail(error) from error
 
+    def _note(self, node: ast.AST) -> bool:
+        """Note which parts of the formula hold unknowns, in one pass."""
+        parts = [self._note(part) for part in ast.iter_child_nodes(node)]
+        held = any(parts) or (isinstance(node, ast.Name) and self.floats.is_free(node.id))
+        if held:
+            self._with_unknowns.add(id(node))
+        return held
+
+    def holds_unknowns(self, node: ast.AST) -> bool:
+        """Whether a part of the formula holds unknowns."""
+        return id(node) in self._with_unknowns
+
     def fail(self, what: object) -> CertificateError:
         shown = self.line if len(self.line) <= 80 else self.line[:77] + "..."
         return CertificateError(f"formula {shown!r}: {what}")
 
     def visit(self, node: ast.expr) -> Affine:
-        if not self.floats.holds_unknowns(node):
+        if not self.holds_unknowns(node):
             return affine(self.floats.constant(self.line[node.col_offset : node.end_col_offset]))
         match node:
             case ast.Name(id=name):
@@ -147,7 +161,7 @@ class _Walk:
 
     def combined(self, node: ast.BinOp) -> Affine:
         if isinstance(node.op, ast.Div):
-            if self.floats.holds_unknowns(node.right):
+            if self.holds_unknowns(node.right):
                 raise self.fail("division by an unknown is not affine")
             return self.visit(node.left) * (1 / self.number(node.right))
         if isinstance(node.op, ast.Pow):

@@ -77,7 +77,7 @@ def _names(value: object) -> set[str]:
     """Names that the formulas within a field use, at any depth."""
     if isinstance(value, str):
         try:
-            return formulas.names_in(value)
+            return set(formulas.names_in(value))
         except CertificateError:  # a label
             return set()
     inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
