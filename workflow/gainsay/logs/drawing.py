@@ -31,18 +31,57 @@ def draw(layout: Layout, log: Log, stream: rr.RecordingStream) -> None:
         messages = log.messages(topic)
         static = len(messages) == 1 and messages[0][0] == 0.0
         solids: dict[str, bytes] = {}
+        plates = _Plates(stream, topic)
         for time, message in messages:
+            moment = np.timedelta64(round(time * 1e9), "ns")
             if not static:
-                stream.set_time(TIMELINE, duration=np.timedelta64(round(time * 1e9), "ns"))
+                stream.set_time(TIMELINE, duration=moment)
             for entity in message.entities:
-                _entity(stream, topic, entity, static, solids)
+                _entity(stream, topic, entity, static, solids, plates, moment)
+        plates.send()
     for panel in layout.panels():
         if isinstance(panel, Text):
             page = rr.TextDocument(panel.markdown, media_type=rr.MediaType.MARKDOWN)
             stream.log(text_path(panel.title), page, static=True)
 
 
-def _entity(stream: rr.RecordingStream, topic: str, entity: Any, static: bool, solids: dict[str, bytes]) -> None:
+class _Plates:
+    """Plates of one topic: each is drawn whole at first, then by its shape alone, all times in one call."""
+
+    def __init__(self, stream: rr.RecordingStream, topic: str) -> None:
+        self._stream, self._topic = stream, topic
+        self._looks: dict[str, tuple[str, int, list[int]]] = {}
+        self._bent: dict[str, list[tuple[np.timedelta64, np.ndarray]]] = {}
+
+    def bends(self, part: str, frame: str, mesh: Any, corners: np.ndarray, moment: np.timedelta64) -> bool:
+        """Keep the shape of a plate that is as it was but for its shape; say whether it is such a one."""
+        before, self._looks[part] = self._looks.get(part), (frame, len(corners), _colour(mesh.color))
+        if before != self._looks[part]:
+            return False
+        self._bent.setdefault(part, []).append((moment, corners))
+        return True
+
+    def send(self) -> None:
+        """Log the shapes that were kept, each at its time."""
+        for part, kept in self._bent.items():
+            corners = np.concatenate([corners for _, corners in kept])
+            shapes = rr.Mesh3D.columns(vertex_positions=corners, vertex_normals=_normals(corners))
+            self._stream.send_columns(
+                f"{self._topic}/{part}",
+                indexes=[rr.TimeColumn(TIMELINE, duration=np.array([moment for moment, _ in kept]))],
+                columns=shapes.partition([len(corners) for _, corners in kept]),
+            )
+
+
+def _entity(
+    stream: rr.RecordingStream,
+    topic: str,
+    entity: Any,
+    static: bool,
+    solids: dict[str, bytes],
+    plates: _Plates,
+    moment: np.timedelta64,
+) -> None:
     """Draw an entity; a solid that is as it was at the time before, in its own frame, stands as it is."""
 
     def new(part: str, solid: Any) -> bool:
@@ -64,7 +103,8 @@ def _entity(stream: rr.RecordingStream, topic: str, entity: Any, static: bool, s
     for number, mesh in enumerate(entity.triangles):
         if new(f"plate{number}", mesh):
             corners = np.array([[point.x, point.y, point.z] for point in mesh.points])
-            put(f"plate{number}", _mesh(corners, mesh.color))
+            if not plates.bends(f"plate{number}", entity.frame_id, mesh, corners, moment):
+                put(f"plate{number}", _mesh(corners, mesh.color))
     if entity.spheres:
         balls = rr.Points3D(
             [_triple(ball.pose.position) for ball in entity.spheres],
@@ -113,15 +153,19 @@ def _turned(quaternion: Any, length: float) -> list[float]:
     ]
 
 
-def _mesh(corners: np.ndarray, colour: Any) -> rr.Mesh3D:
-    """Triangles with the normals of their planes, so that light shows their shape."""
+def _normals(corners: np.ndarray) -> np.ndarray:
+    """Unit normal of its triangle at each corner; zero where a triangle has no area."""
     first, second, third = corners[0::3], corners[1::3], corners[2::3]
     normals = np.cross(second - first, third - first)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
+    return np.repeat(np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0), 3, axis=0)
+
+
+def _mesh(corners: np.ndarray, colour: Any) -> rr.Mesh3D:
+    """Triangles with the normals of their planes, so that light shows their shape."""
     return rr.Mesh3D(
         vertex_positions=corners,
-        vertex_normals=np.repeat(normals, 3, axis=0),
+        vertex_normals=_normals(corners),
         triangle_indices=np.arange(len(corners)).reshape(-1, 3),
         albedo_factor=_colour(colour),
     )
