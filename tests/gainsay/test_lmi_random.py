@@ -13,10 +13,11 @@ from gainsay.lmi import (
     Solved,
     Unbounded,
     Undecided,
+    affine,
     infimum,
-    large,
     scalar,
     solve,
+    solving,
     sym,
     symmetric,
     trace,
@@ -86,8 +87,7 @@ def test_units_change_no_outcome(power):
         assert type(solve(Program(subject_to=[other]))) is (Solved if drawn.feasible else Infeasible)
 
 
-def test_large_programs_are_answered_by_the_first_runs(monkeypatch):
-    monkeypatch.setattr(large, "_LARGE", 0)
+def test_well_placed_programs_are_answered_by_the_first_runs():
     for drawn in draws(6, 12, 10):
         outcome = solve(drawn.program)
         assert type(outcome) is (Solved if drawn.feasible else Infeasible)
@@ -101,19 +101,30 @@ def test_large_programs_are_answered_by_the_first_runs(monkeypatch):
         # the largest eigenvalue, LAPACK's to its rounding
         top = np.linalg.eigvalsh(M)[-1]
         assert isinstance(found, Infimum) and len(found.attempts) == 2
+        assert found.lower - 1e-13 * abs(top) <= found.value <= found.upper + 1e-13 * abs(top)
         assert found.lower - 1e-13 * abs(top) <= top <= found.upper + 1e-13 * abs(top)
         assert found.upper - found.lower < 1e-6 * abs(top)
 
 
-def test_the_short_way_proves_nothing_false(monkeypatch):
-    # weakly infeasible, unbounded, and a closed pair: the ordinary way decides
-    monkeypatch.setattr(large, "_LARGE", 0)
+def test_the_first_runs_prove_nothing_false(monkeypatch):
+    # weakly infeasible, unbounded, and a closed pair: later runs decide; of a large program the first point is taken
+    monkeypatch.setattr(solving, "_LARGE", 0)
     x, P = scalar("x"), symmetric("P", 2)
     weak = x * np.diag([1.0, 0.0]) + np.array([[0.0, 1.0], [1.0, 0.0]])
     assert isinstance(solve(Program(subject_to=[weak >= 0])), Undecided)
     assert isinstance(infimum(Program(minimise=-x, subject_to=[x > 0])), Unbounded)
     pair = [(P >= 0).named("up"), (P <= 0).named("down")]
     assert isinstance(infimum(Program(minimise=trace(P), subject_to=pair)), Infimum)
+    assert len(solve(Program(minimise=x, subject_to=[x > 1])).attempts) == 1
+
+
+def test_kernels_are_left_from_the_last_to_the_first():
+    # each x_k raises row k alone; on the kernels of all of them -1 > 0 is left, whatever the congruence T
+    T = np.array([[1.0, 2, 0, 1], [0, 1, 1, 0], [0, 0, 1, 3], [0, 0, 0, 1]])
+    rows = sum((scalar(f"x{k}") * np.outer(T[k], T[k]) for k in range(3)), affine(-np.outer(T[3], T[3])))
+    outcome = solve(Program(subject_to=[rows > 0]))
+    assert isinstance(outcome, Infeasible)
+    assert sum(a.get("aim") == "level, on kernels" for a in outcome.attempts) == 0
 
 
 @pytest.mark.parametrize("share", [0.5, 0.99, 1.01, 1.5, 4.0])

@@ -17,10 +17,11 @@ from gainsay.lmi.affine import (
 )
 from gainsay.lmi.blocks import BlockMatrix, block_diagonal, equal, within
 from gainsay.lmi.common_margin import by_margin
+from gainsay.lmi.enclosure import infimum
 from gainsay.lmi.interior import interior_multipliers
 from gainsay.lmi.outcomes import Farkas, Infeasible, Infimum, Solved, Unbounded, Undecided
 from gainsay.lmi.program import Check, Program, Scale
-from gainsay.lmi.solving import find_point, infimum, solve
+from gainsay.lmi.solving import find_point, solve
 from gainsay.lmi.sweep import Range, Threshold, ranges, sweep, threshold
 
 __all__ = [

@@ -22,6 +22,8 @@ from gainsay.lmi.program import Program, Row
 
 #: rows of a block up to which its coefficients are looked at
 _MOST_ROWS = 60
+#: kernels taken one after another
+_MOST_KERNELS = 40
 #: eigenvalue below which, relative to the largest, a coefficient may be singular
 _SINGULAR = 1e-9
 
@@ -56,7 +58,15 @@ class OnKernel:
         )
 
 
-def on_kernel(program: Program) -> OnKernel | None:
+def on_kernels(program: Program) -> list[OnKernel]:
+    """What a program says on the kernel of a coefficient, what that says on the kernel of another, and so on."""
+    found: list[OnKernel] = []
+    while len(found) < _MOST_KERNELS and (smaller := _on_kernel(found[-1].program if found else program)) is not None:
+        found.append(smaller)
+    return found
+
+
+def _on_kernel(program: Program) -> OnKernel | None:
     """The program with one block on the kernel of one of its coefficients; None where none is semidefinite."""
     for row in program.rows:
         if not isinstance(row.constraint, Definite) or not 1 < row.size <= _MOST_ROWS:

@@ -1,0 +1,167 @@
+"""Infima enclosed between a proved point and proved multipliers."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from gainsay.errors import InputError
+from gainsay.lmi import backends, duality, scaling
+from gainsay.lmi.affine import Values
+from gainsay.lmi.outcomes import Infeasible, Infimum, Solved, Unbounded, Undecided
+from gainsay.lmi.points import proved_point
+from gainsay.lmi.program import Program
+from gainsay.lmi.solving import MOST_FACES, decide, filled_point, runs
+
+_MARGINS = (1e-9, 1e-8, 1e-7)
+# least relative eigenvalues kept of multipliers at an optimum that has no interior ones
+_CUTS = (1e-6, 1e-4, 1e-8)
+# the same of the first multipliers at an optimum, whatever they are
+_FIRST_CUTS = (0.0, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3)
+# parts of the way from the optimum to a point inside, tried in turn for a point near the optimum
+_WAY = (1e-5, 1e-4, 1e-3, 1e-2)
+# width of an enclosure, relative to the size of the objective, that is narrow enough
+_NARROW = 1e-7
+# widest enclosure, relative to the size of the objective, within which a value is given
+_WIDEST = 0.1
+
+
+def infimum(
+    program: Program, margins: tuple[float, ...] | None = None, near: Values | None = None
+) -> Infimum | Infeasible | Unbounded | Undecided:
+    """Enclose the infimum of a program between a proved point and proved multipliers.
+
+    Parameters
+    ----------
+    program : Program
+    margins : tuple of float, optional
+        Margins tried, from narrow to wide, for the point and for the multipliers, until one passes its check.
+        Ask for one where a point or multipliers are to be rounded: of their own accord they may have none.
+    near : mapping, optional
+        As in `solve`.
+
+    Raises
+    ------
+    InputError
+        If no margin is given.
+    """
+    if margins == ():
+        raise InputError("infimum", field="margins", value=margins, expected="at least one")
+    solved, last = decide(program, near, 4, MOST_FACES, settle=margins is not None)
+    if not isinstance(solved, Solved):
+        return solved
+    if last is not program:
+        found = _enclosed(last, solved, margins)
+        if not isinstance(found, Infimum):
+            return found
+        # multipliers of the program on a face are none of the program
+        return replace(found, solved=filled_point(program, found.solved), multipliers={})
+    return _enclosed(program, solved, margins)
+
+
+def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None) -> Infimum | Undecided:
+    attempts = list(solved.attempts)
+    if not program.cost.any() or not program.constraints:
+        value = float(program.objective.constant[0, 0])
+        return Infimum(value, value, value, solved.values, replace(solved, objective=value), {}, tuple(attempts))
+    scale = scaling.from_point(program, program.coordinates(solved.values))
+    flat = backends.run(scaling.apply(program, scale), program.constraints, 0.0)
+    attempts.append({**flat.record, "aim": "infimum", "objective": flat.primal * scale.cost})
+    if asked is None:
+        found = _at_once(program, scale, solved, flat, attempts)
+        if found is not None:
+            return found
+        settled = runs(program, scale, "clarabel", 3, attempts, settle=True)
+        return _enclosed(program, settled if isinstance(settled, Solved) else solved, _MARGINS)
+    if flat.x is None:
+        return Undecided(program.label, tuple(attempts), "a point, and no optimum")
+    best = _upper(program, scale, asked, solved, attempts)
+    lower, proof = -np.inf, {}
+    sharp, balanced = _sharpened(program, scale, flat, attempts)
+    for dual_scale in (scale, balanced):
+        bound, multipliers = _lower(program, dual_scale, asked, attempts)
+        if bound > lower:
+            lower, proof = bound, multipliers
+        if best.objective - lower < 1e-7 * abs(best.objective):
+            break
+    if not best.objective - lower < 1e-6 * max(abs(best.objective), scale.cost):
+        bound, multipliers = duality.lower_bound(program, scale, flat.multipliers, _CUTS)
+        if bound > lower:
+            lower, proof = bound, multipliers
+    upper, values = best.objective, program.values(sharp)
+    value = float(program.objective.value(values)[0, 0])
+    if not lower <= value <= upper:
+        value = (lower + upper) / 2
+    size = max(abs(lower), abs(upper), scale.cost)
+    if not (np.isfinite(lower) and upper - lower <= _WIDEST * size):
+        value = float("nan")
+    best = replace(best, attempts=tuple(attempts))
+    return Infimum(value, lower, upper, values, best, proof, tuple(attempts))
+
+
+def _at_once(
+    program: Program, scale: scaling.Scaling, inside: Solved, flat: backends.Raw, attempts: list
+) -> Infimum | None:
+    """Narrow enclosure from a point inside and the solver's optimum `flat`; None where it is not narrow."""
+    if flat.x is None or not all(np.isfinite(m).all() for m in flat.multipliers):
+        return None
+    lower, multipliers = duality.lower_bound(program, scale, flat.multipliers, _FIRST_CUTS)
+    if not np.isfinite(lower):
+        return None
+    optimum, start = flat.x * scale.unknowns, program.coordinates(inside.values)
+    for part in _WAY:
+        point = proved_point(program, scale, optimum + part * (start - optimum), inside.gap)
+        if point is None:
+            continue
+        if not point.objective - lower < _NARROW * max(abs(point.objective), scale.cost):
+            return None
+        values = program.values(optimum)
+        value = float(program.objective.value(values)[0, 0])
+        if not lower <= value <= point.objective:
+            value = (lower + point.objective) / 2
+        best = replace(point, attempts=tuple(attempts))
+        return Infimum(value, lower, point.objective, values, best, multipliers, tuple(attempts))
+    return None
+
+
+def _sharpened(program: Program, scale: scaling.Scaling, flat: backends.Raw, attempts: list) -> tuple:
+    """Point at the infimum from balanced scalings, which resolve directions of little weight; smallest gap wins."""
+    x, gap = flat.x * scale.unknowns, abs(flat.primal - flat.dual)
+    balanced = scale = scaling.balanced(program, scale, x, flat.multipliers)
+    for _ in range(2):
+        raw = backends.run(scaling.apply(program, scale), program.constraints, 0.0)
+        attempts.append({**raw.record, "aim": "infimum, balanced", "objective": raw.primal * scale.cost})
+        if raw.x is None or not abs(raw.primal - raw.dual) < max(2 * gap, 1e-10 * abs(raw.primal)):
+            break
+        x, gap = raw.x * scale.unknowns, abs(raw.primal - raw.dual)
+        scale = scaling.balanced(program, scale, x, raw.multipliers)
+    return x, balanced
+
+
+def _upper(program: Program, scale: scaling.Scaling, margins: tuple, best: Solved, attempts: list) -> Solved:
+    """A point as near to the infimum as a margin lets it be."""
+    scaled = scaling.apply(program, scale)
+    for margin in sorted(margins):
+        raw = backends.run(scaled, program.constraints, margin)
+        record = {**raw.record, "aim": "upper", "asked": margin}
+        attempts.append(record)
+        if raw.x is None:
+            continue
+        point = proved_point(program, scale, raw.x * scale.unknowns, abs(raw.primal - raw.dual))
+        if point is not None:
+            record |= {"objective": point.objective, "margin": point.check.worst}
+            return point if point.objective < best.objective else best
+    return best
+
+
+def _lower(program: Program, scale: scaling.Scaling, margins: tuple, attempts: list) -> tuple[float, dict]:
+    """A bound from multipliers as near to the optimum as a margin lets them be; minus infinity where none is proved."""
+    for margin in sorted(margins):
+        multipliers, raw = duality.pushed_inside(program, scale, margin)
+        bound: float = -np.inf
+        corrected: dict[str, np.ndarray] = {}
+        if multipliers is not None and all(np.isfinite(m).all() for m in multipliers):
+            bound, corrected = duality.lower_bound(program, scale, multipliers)
+        attempts.append({**raw.record, "aim": "lower", "asked": margin, "objective": bound})
+        if np.isfinite(bound):
+            return bound, corrected
+    return -np.inf, {}
