@@ -15,7 +15,9 @@ from gainsay.lmi.rounding import gamma
 # least relative eigenvalues kept of a multiplier, tried in turn
 _CUTS = (1e-3, 1e-5, 1e-7, 1e-2, 1e-9)
 # parts of the largest possible least eigenvalue that interior multipliers are asked for
-_PUSHES = (0.1, 1e-3, 1e-6)
+_PUSHES = (0.1, 1e-3, 1e-5, 1e-7)
+#: parts of the way from an optimum to what lies inside, tried in turn
+WAY = (1e-5, 1e-4, 1e-3, 1e-2)
 _REASON = "multipliers proved to exist"
 
 
@@ -58,7 +60,7 @@ def lower_bound(
     z = [(m + m.T) / 2 if m.ndim == 2 else m for m in scale.multipliers_in(exact, multipliers)]
     found = None
     for cut in cuts:
-        found = system.confined(z, cut) or (system.factored(z, cut) if cut else None)
+        found = system.confined(z, cut) or (system.factored(z, cut) if cut else _restored(system, z))
         if found is not None:
             break
     if found is None:
@@ -67,6 +69,32 @@ def lower_bound(
     bound -= gamma(2) * (abs(float(program.objective.constant[0, 0])) + abs(exact.cost * found.high))
     parts = unscaled(program.constraints, exact, found.z)
     return bound, {name: exact.cost * value for name, value in parts.items()}
+
+
+def nearer_bound(
+    program: Program, scale: scaling.Scaling, optimum: Sequence[np.ndarray], inside: dict[str, np.ndarray]
+) -> tuple[float, dict[str, np.ndarray]]:
+    """Lower bound from multipliers on the way from interior ones to a solver's optimum; see `lower_bound`.
+
+    Parameters
+    ----------
+    program : Program
+    scale : Scaling
+        Scaling to which `optimum` belongs.
+    optimum : sequence of ndarray
+    inside : dict
+        As `lower_bound` returns them.
+    """
+    start = [
+        inside[constraint.label] / (scale.cost * (np.outer(d, d) if isinstance(constraint, Definite) else d**2))
+        for constraint, d in zip(program.constraints, scale.rows, strict=True)
+    ]
+    for part in (*WAY[1:], 0.1):
+        between = [z + part * (s - z) for z, s in zip(optimum, start, strict=True)]
+        bound, multipliers = lower_bound(program, scale, between)
+        if np.isfinite(bound):
+            return bound, multipliers
+    return -np.inf, {}
 
 
 def pushed_inside(program: Program, scale: scaling.Scaling, push: float, setting: str = "clarabel") -> tuple:
@@ -202,4 +230,12 @@ def _refuting(system: System, multipliers: Sequence[np.ndarray], cuts: Sequence[
             proved = attempt(z, cut)
             if proved is not None and proved.refute:
                 return proved
+        proved = None if cut else _restored(system, z)
+        if proved is not None and proved.refute:
+            return proved
     return None
+
+
+def _restored(system: System, multipliers: Sequence[np.ndarray]) -> Multipliers | None:
+    restored = system.restored(multipliers)
+    return None if restored is None else system.confined(restored, 0.0)

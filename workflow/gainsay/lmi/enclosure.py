@@ -13,12 +13,12 @@ from gainsay.lmi.program import Program
 from gainsay.lmi.solving import MOST_FACES, decide, filled_point, runs
 
 _MARGINS = (1e-9, 1e-8, 1e-7)
+# margins of multipliers where none of those passes: a bound far below says more than none
+_WIDE = (1e-6, 1e-5, 1e-4, 1e-3)
 # least relative eigenvalues kept of multipliers at an optimum that has no interior ones
 _CUTS = (1e-6, 1e-4, 1e-8)
 # the same of the first multipliers at an optimum, whatever they are
 _FIRST_CUTS = (0.0, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3)
-# parts of the way from the optimum to a point inside, tried in turn for a point near the optimum
-_WAY = (1e-5, 1e-4, 1e-3, 1e-2)
 # width of an enclosure, relative to the size of the objective, that is narrow enough
 _NARROW = 1e-7
 # widest enclosure, relative to the size of the objective, within which a value is given
@@ -66,19 +66,27 @@ def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None)
     scale = scaling.from_point(program, program.coordinates(solved.values))
     flat = backends.run(scaling.apply(program, scale), program.constraints, 0.0)
     attempts.append({**flat.record, "aim": "infimum", "objective": flat.primal * scale.cost})
+    best, lower, proof = solved, -np.inf, {}
     if asked is None:
-        found = _at_once(program, scale, solved, flat, attempts)
-        if found is not None:
-            return found
+        best, lower, proof = _at_once(program, scale, solved, flat)
+        if flat.x is not None and best.objective - lower < _NARROW * max(abs(best.objective), scale.cost):
+            return _told(program, flat.x * scale.unknowns, best, lower, proof, scale.cost, attempts)
         settled = runs(program, scale, "clarabel", 3, attempts, settle=True)
-        return _enclosed(program, settled if isinstance(settled, Solved) else solved, _MARGINS)
+        if isinstance(settled, Solved):
+            best = min(best, settled, key=lambda point: point.objective)
+            scale = scaling.from_point(program, program.coordinates(settled.values))
+            flat = backends.run(scaling.apply(program, scale), program.constraints, 0.0)
+            attempts.append({**flat.record, "aim": "infimum, settled", "objective": flat.primal * scale.cost})
     if flat.x is None:
         return Undecided(program.label, tuple(attempts), "a point, and no optimum")
-    best = _upper(program, scale, asked, solved, attempts)
-    lower, proof = -np.inf, {}
+    margins = asked or _MARGINS
+    best = _upper(program, scale, margins, best, attempts)
     sharp, balanced = _sharpened(program, scale, flat, attempts)
-    for dual_scale in (scale, balanced):
-        bound, multipliers = _lower(program, dual_scale, asked, attempts)
+    tried = [(scale, margins), (balanced, margins)]
+    for dual_scale, parts in tried if asked else [*tried, (balanced, _WIDE)]:
+        if parts is _WIDE and np.isfinite(lower):
+            break
+        bound, multipliers = _lower(program, dual_scale, parts, attempts)
         if bound > lower:
             lower, proof = bound, multipliers
         if best.objective - lower < 1e-7 * abs(best.objective):
@@ -87,11 +95,22 @@ def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None)
         bound, multipliers = duality.lower_bound(program, scale, flat.multipliers, _CUTS)
         if bound > lower:
             lower, proof = bound, multipliers
-    upper, values = best.objective, program.values(sharp)
+    if proof and not best.objective - lower < 1e-6 * max(abs(best.objective), scale.cost):
+        bound, multipliers = duality.nearer_bound(program, scale, flat.multipliers, proof)
+        if bound > lower:
+            lower, proof = bound, multipliers
+    return _told(program, sharp, best, lower, proof, scale.cost, attempts)
+
+
+def _told(
+    program: Program, optimum: np.ndarray, best: Solved, lower: float, proof: dict, cost: float, attempts: list
+) -> Infimum:
+    """The enclosure, with the objective at the solver's optimum for a value where it lies inside."""
+    upper, values = best.objective, program.values(optimum)
     value = float(program.objective.value(values)[0, 0])
     if not lower <= value <= upper:
         value = (lower + upper) / 2
-    size = max(abs(lower), abs(upper), scale.cost)
+    size = max(abs(lower), abs(upper), cost)
     if not (np.isfinite(lower) and upper - lower <= _WIDEST * size):
         value = float("nan")
     best = replace(best, attempts=tuple(attempts))
@@ -99,28 +118,18 @@ def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None)
 
 
 def _at_once(
-    program: Program, scale: scaling.Scaling, inside: Solved, flat: backends.Raw, attempts: list
-) -> Infimum | None:
-    """Narrow enclosure from a point inside and the solver's optimum `flat`; None where it is not narrow."""
+    program: Program, scale: scaling.Scaling, inside: Solved, flat: backends.Raw
+) -> tuple[Solved, float, dict]:
+    """A point near the solver's optimum `flat` on the way from a point inside, and a bound by its multipliers."""
     if flat.x is None or not all(np.isfinite(m).all() for m in flat.multipliers):
-        return None
+        return inside, -np.inf, {}
     lower, multipliers = duality.lower_bound(program, scale, flat.multipliers, _FIRST_CUTS)
-    if not np.isfinite(lower):
-        return None
     optimum, start = flat.x * scale.unknowns, program.coordinates(inside.values)
-    for part in _WAY:
+    for part in duality.WAY:
         point = proved_point(program, scale, optimum + part * (start - optimum), inside.gap)
-        if point is None:
-            continue
-        if not point.objective - lower < _NARROW * max(abs(point.objective), scale.cost):
-            return None
-        values = program.values(optimum)
-        value = float(program.objective.value(values)[0, 0])
-        if not lower <= value <= point.objective:
-            value = (lower + point.objective) / 2
-        best = replace(point, attempts=tuple(attempts))
-        return Infimum(value, lower, point.objective, values, best, multipliers, tuple(attempts))
-    return None
+        if point is not None and point.objective < inside.objective:
+            return point, lower, multipliers
+    return inside, lower, multipliers
 
 
 def _sharpened(program: Program, scale: scaling.Scaling, flat: backends.Raw, attempts: list) -> tuple:

@@ -8,6 +8,7 @@ proved rounding errors.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from flint import fmpq_mat
@@ -17,6 +18,10 @@ from gainsay.lmi import scaling
 from gainsay.lmi.affine import Definite, Entrywise, Equal
 from gainsay.lmi.points import is_strict
 from gainsay.lmi.rounding import RightInverse, gamma, norm, power_of_two, proved_positive
+
+# most steps back onto the equations, and the part of a multiplier that one may take away
+_RESTORING = 12
+_PART = 0.7
 
 
 @dataclass(frozen=True)
@@ -82,42 +87,19 @@ class System:
         frames = self._frames(multipliers, cut)
         if frames is None:
             return None
-        cost = self.cost[self.kept]
-        needed = ~(self._met(frames) & (cost == 0))
-        cost, columns, sizes = cost[needed], [], []
-        for constraint, tensor, frame in zip(self.constraints, self._tensors(), frames, strict=True):
-            part = tensor if needed.all() else tensor[..., needed]
-            if isinstance(constraint, Definite):
-                shape = (frame.shape[1] ** 2, len(cost))
-                columns.append(_congruent(part, frame).reshape(shape))
-                sizes.append(_congruent(np.abs(part), np.abs(frame)).reshape(shape))
-            else:
-                columns.append(frame.T @ part)
-                sizes.append(np.abs(frame).T @ np.abs(part))
-        stack = np.vstack(columns)
-        lengths = np.linalg.norm(stack, axis=0)
-        if not (lengths > 0).all():
+        needed = self._needed(frames)
+        stated = self._within(frames, needed)
+        if stated is None:
             return None
-        units = power_of_two(1 / lengths)
-        stack = stack * units
-        longest = max((len(f) for f in frames), default=1)
-        blur = 2 * gamma(2 * longest) * norm(np.vstack(sizes) * units)
-        inverse = RightInverse.of(stack.T, blur)
-        if inverse is None:
-            return None
-        cores = [
-            np.eye(f.shape[1]) if isinstance(c, Definite) else np.ones(f.shape[1])
-            for c, f in zip(self.constraints, frames, strict=True)
-        ]
+        units, inverse = stated
+        cores = self._cores(frames)
         for number in range(3):
             z, wide = _assembled(self.constraints, frames, cores)
             rest, bound = self._rest(z, wide)
             if number < 2:
-                step, place = inverse.matrix @ (units * rest[needed]), 0
-                for i, core in enumerate(cores):
-                    part = step[place : place + core.size].reshape(core.shape)
-                    cores[i] = core - ((part + part.T) / 2 if core.ndim == 2 else part)
-                    place += core.size
+                cores = [
+                    c - e for c, e in zip(cores, _steps(inverse.matrix @ (units * rest[needed]), cores), strict=True)
+                ]
         reach = inverse.reach(norm(units * bound[needed]))
         strict, distance, linear, blur = False, 0.0, [], 0.0
         for constraint, constant, frame, core in zip(
@@ -138,6 +120,66 @@ class System:
                 blur += gamma(len(frame)) * norm(np.abs(frame).T @ np.abs(constant))
         value = inverse.change(np.concatenate(linear), units * bound[needed]) + blur * reach
         return self._bounded(z, wide, distance, value, strict)
+
+    def restored(self, multipliers: Sequence[np.ndarray]) -> list[np.ndarray] | None:
+        """Floats inside the cones whose equations hold nearly, by steps that stay inside; None where they do not end.
+
+        A solver that stalls leaves equations further from zero than its multipliers are from the edge of their cones.
+        """
+        z = list(multipliers)
+        for _ in range(_RESTORING):
+            frames = self._frames(z, 0.0)
+            if frames is None:
+                return None
+            needed = self._needed(frames)
+            stated = self._within(frames, needed)
+            if stated is None:
+                return None
+            units, inverse = stated
+            cores = self._cores(frames)
+            z, wide = _assembled(self.constraints, frames, cores)
+            rest, _ = self._rest(z, wide)
+            steps = _steps(inverse.matrix @ (units * rest[needed]), cores)
+            longest = max((_longest(c, e) for c, e in zip(self.constraints, steps, strict=True)), default=0.0)
+            part = min(1.0, _PART / longest) if longest > 0 else 1.0
+            cores = [c - part * e for c, e in zip(cores, steps, strict=True)]
+            z, _ = _assembled(self.constraints, frames, cores)
+            if part == 1:
+                return z
+        return None
+
+    def _cores(self, frames: Sequence[np.ndarray]) -> list[np.ndarray]:
+        return [
+            np.eye(f.shape[1]) if isinstance(c, Definite) else np.ones(f.shape[1])
+            for c, f in zip(self.constraints, frames, strict=True)
+        ]
+
+    def _needed(self, frames: Sequence[np.ndarray]) -> np.ndarray:
+        """Whether each equation is to be solved: it holds something, or a right side."""
+        return ~(self._met(frames) & (self.cost[self.kept] == 0))
+
+    def _within(self, frames: Sequence[np.ndarray], needed: np.ndarray) -> tuple[np.ndarray, RightInverse] | None:
+        """Equations in the cores of frames, in units that even them out: the units, and a right inverse."""
+        columns, sizes = [], []
+        for constraint, tensor, frame in zip(self.constraints, self._tensors(), frames, strict=True):
+            part = tensor if needed.all() else tensor[..., needed]
+            if isinstance(constraint, Definite):
+                shape = (frame.shape[1] ** 2, part.shape[-1])
+                columns.append(_congruent(part, frame).reshape(shape))
+                sizes.append(_congruent(np.abs(part), np.abs(frame)).reshape(shape))
+            else:
+                columns.append(frame.T @ part)
+                sizes.append(np.abs(frame).T @ np.abs(part))
+        stack = np.vstack(columns)
+        lengths = np.linalg.norm(stack, axis=0)
+        if not (lengths > 0).all():
+            return None
+        units = power_of_two(1 / lengths)
+        stack = stack * units
+        longest = max((len(f) for f in frames), default=1)
+        blur = 2 * gamma(2 * longest) * norm(np.vstack(sizes) * units)
+        inverse = RightInverse.of(stack.T, blur)
+        return None if inverse is None else (units, inverse)
 
     def _frames(self, multipliers: Sequence[np.ndarray], cut: float) -> list[np.ndarray] | None:
         """Factors L of matrices, Z = L L', and diagonal ones of lists, without what is below the cut."""
@@ -282,6 +324,23 @@ class System:
         spread = value + spread * (1 + gamma(count)) + gamma(count) * sizes
         distance += float(np.sqrt(sum(norm(e) ** 2 for e in wide)))
         return Multipliers(tuple(z), middle - spread, middle + spread, distance, strict)
+
+
+def _steps(flat: np.ndarray, cores: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Parts of a step of all cores, symmetric where the cores are."""
+    parts, place = [], 0
+    for core in cores:
+        part = flat[place : place + core.size].reshape(core.shape)
+        parts.append((part + part.T) / 2 if core.ndim == 2 else part)
+        place += core.size
+    return parts
+
+
+def _longest(constraint: Any, step: np.ndarray) -> float:
+    """What a core of ones loses by a step, at most."""
+    if isinstance(constraint, Equal) or not step.size:
+        return 0.0
+    return float((np.linalg.eigvalsh(step) if step.ndim == 2 else step).max())
 
 
 def _congruent(tensor: np.ndarray, frame: np.ndarray) -> np.ndarray:

@@ -190,7 +190,7 @@ def _fit(program: Program, known: dict, known_rows: list | None, objective: floa
         solution[free] = np.linalg.lstsq(normal[np.ix_(free, free)], rest, rcond=1e-9)[0]
     scales = np.exp(np.clip(parameter @ solution[:total], -300, 300))
     rows = tuple(
-        np.exp(np.clip(solution[start : start + row.size], -150, 150))
+        np.exp(np.clip(solution[start : start + row.size], -340, 340))
         for row, start in zip(program.rows, row_starts, strict=True)
     )
     cost = objective if objective > 0 else np.abs(program.cost * scales).max(initial=0.0)
