@@ -66,7 +66,8 @@ def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None)
     scale = scaling.from_point(program, program.coordinates(solved.values))
     flat = backends.run(scaling.apply(program, scale), program.constraints, 0.0)
     attempts.append({**flat.record, "aim": "infimum", "objective": flat.primal * scale.cost})
-    best, lower, proof = solved, -np.inf, {}
+    best, lower = solved, -np.inf
+    proof: dict[str, np.ndarray] = {}
     if asked is None:
         best, lower, proof = _at_once(program, scale, solved, flat)
         if flat.x is not None and best.objective - lower < _NARROW * max(abs(best.objective), scale.cost):
