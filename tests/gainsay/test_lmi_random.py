@@ -1,6 +1,7 @@
 """Random programs of known outcome: none wrong, and hardly one undecided; a change of units changes no outcome."""
 
 from collections import Counter
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -23,7 +24,9 @@ from gainsay.lmi import (
     trace,
 )
 from gainsay.lmi.affine import Affine, Definite
-from gainsay.lmi.rounding import RightInverse
+from gainsay.lmi.centring import central_path
+from gainsay.lmi.rounding import RightInverse, twofold
+from gainsay.lmi.scaling import Scaled
 
 
 def _count(seed, count, most):
@@ -138,3 +141,27 @@ def test_a_step_is_bounded_only_where_there_is_one(share):
         assert bound == np.inf
     else:
         assert (1 - np.sqrt(1 - share)) / (2 * curvature) <= bound < np.inf
+
+
+def test_a_twofold_product_keeps_twice_the_digits():
+    rng = np.random.default_rng(8)
+    A, B, C = (rng.standard_normal(shape) * 10.0 ** rng.integers(-8, 8, shape) for shape in ((3, 4), (4, 2), (2, 3)))
+    high, low = twofold(A, B, C)
+    exact = [[[Fraction(float(v)) for v in row] for row in m] for m in (A, B, C, high, low)]
+    for i in range(3):
+        for j in range(3):
+            terms = [exact[0][i][k] * exact[1][k][m] * exact[2][m][j] for k in range(4) for m in range(2)]
+            rest = sum(terms) - exact[3][i][j] - exact[4][i][j]
+            assert abs(rest) < Fraction(1, 2**100) * sum(map(abs, terms))
+
+
+def test_the_central_path_of_a_half_line():
+    # least x with x > 1: x = 1 + mu on the path, and the multiplier of the only inequality is one
+    x = scalar("x")
+    (block,) = Program(subject_to=[x > 1]).constraints
+    scaled = Scaled(np.ones(1), (-np.ones((1, 1)),), (np.ones((1, 1, 1)),))
+    path = list(central_path(scaled, [block], np.array([5.0]), 1e-6))
+    assert path and path[-1][0] < 1e-5
+    for mu, point, (multiplier,) in path:
+        assert 0.5 * mu < point[0] - 1 < 1.5 * mu
+        np.testing.assert_allclose(multiplier, 1.0, rtol=1e-9)

@@ -1,12 +1,13 @@
 """Lower bounds on an optimum, and refutations: from a solver's multipliers to exact ones that are proved to exist."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from gainsay.lmi import backends, scaling
 from gainsay.lmi.affine import Definite, Entrywise, Equal, scalar
+from gainsay.lmi.centring import central_path, is_small
 from gainsay.lmi.multipliers import Multipliers, System
 from gainsay.lmi.outcomes import Farkas
 from gainsay.lmi.program import Program
@@ -14,10 +15,10 @@ from gainsay.lmi.rounding import gamma
 
 # least relative eigenvalues kept of a multiplier, tried in turn
 _CUTS = (1e-3, 1e-5, 1e-7, 1e-2, 1e-9)
-# parts of the largest possible least eigenvalue that interior multipliers are asked for
-_PUSHES = (0.1, 1e-3, 1e-5, 1e-7)
-#: parts of the way from an optimum to what lies inside, tried in turn
-WAY = (1e-5, 1e-4, 1e-3, 1e-2)
+# parts of the largest possible least eigenvalue that interior multipliers of a large program are asked for
+_PUSHES = (0.1, 1e-3)
+# gap, relative to the level of phase one, at which multipliers of the central path refute; and the least gap
+_GAP, _LEAST_GAP = 1e-3, 1e-10
 _REASON = "multipliers proved to exist"
 
 
@@ -69,32 +70,6 @@ def lower_bound(
     bound -= gamma(2) * (abs(float(program.objective.constant[0, 0])) + abs(exact.cost * found.high))
     parts = unscaled(program.constraints, exact, found.z)
     return bound, {name: exact.cost * value for name, value in parts.items()}
-
-
-def nearer_bound(
-    program: Program, scale: scaling.Scaling, optimum: Sequence[np.ndarray], inside: dict[str, np.ndarray]
-) -> tuple[float, dict[str, np.ndarray]]:
-    """Lower bound from multipliers on the way from interior ones to a solver's optimum; see `lower_bound`.
-
-    Parameters
-    ----------
-    program : Program
-    scale : Scaling
-        Scaling to which `optimum` belongs.
-    optimum : sequence of ndarray
-    inside : dict
-        As `lower_bound` returns them.
-    """
-    start = [
-        inside[constraint.label] / (scale.cost * (np.outer(d, d) if isinstance(constraint, Definite) else d**2))
-        for constraint, d in zip(program.constraints, scale.rows, strict=True)
-    ]
-    for part in (*WAY[1:], 0.1):
-        between = [z + part * (s - z) for z, s in zip(optimum, start, strict=True)]
-        bound, multipliers = lower_bound(program, scale, between)
-        if np.isfinite(bound):
-            return bound, multipliers
-    return -np.inf, {}
 
 
 def pushed_inside(program: Program, scale: scaling.Scaling, push: float, setting: str = "clarabel") -> tuple:
@@ -190,17 +165,40 @@ def refutation(program: Program, scale: scaling.Scaling, found: Level, attempts:
     if not system.solvable() or not found.multipliers:
         return None
     proved = _refuting(system, scale.multipliers_in(exact, found.multipliers), _CUTS)
-    rows = sum(row.size for row in program.rows)
-    for push in () if proved is not None else _PUSHES:
-        multipliers, raw = _pushed(found.phase, (*program.constraints, _CAP), push / rows)
-        attempts.append({**raw.record, "aim": "interior multipliers", "asked": push / rows})
-        if multipliers is not None and all(np.isfinite(m).all() for m in multipliers):
-            proved = _refuting(system, scale.multipliers_in(exact, multipliers[:-1]), (0.0, 1e-6))
+    for multipliers in () if proved is not None else _interior(program, found, attempts):
+        proved = _refuting(system, scale.multipliers_in(exact, multipliers), (0.0, 1e-6))
         if proved is not None:
             break
     if proved is None:
         return None
     return Farkas(unscaled(program.constraints, exact, proved.z), proved.high, proved.distance, _REASON)
+
+
+def _interior(program: Program, found: Level, attempts: list) -> Iterator[Sequence[np.ndarray]]:
+    """Multipliers of phase one with room inside their cones, the likeliest to refute first."""
+    constraints, rows = (*program.constraints, _CAP), sum(row.size for row in program.rows)
+    if is_small(found.phase):
+        path = list(central_path(found.phase, constraints, _below(found), _GAP * max(-found.value, _LEAST_GAP) / rows))
+        attempts.append({"solver": "central path", "status": f"{len(path)} points", "aim": "interior multipliers"})
+        for _, _, multipliers in reversed(path):
+            yield multipliers[:-1]
+        return
+    for push in _PUSHES:
+        pushed, raw = _pushed(found.phase, constraints, push / rows)
+        attempts.append({**raw.record, "aim": "interior multipliers", "asked": push / rows})
+        if pushed is not None and all(np.isfinite(m).all() for m in pushed):
+            yield pushed[:-1]
+
+
+def _below(found: Level) -> np.ndarray:
+    """A point strictly inside phase one: that of the level, its common margin lowered."""
+    assert found.x is not None, "a level with multipliers has a point"
+    lowest = 0.0
+    for tensor, constant in zip(found.phase.tensors[:-1], found.phase.constants[:-1], strict=True):
+        value = constant + tensor[..., :-1] @ found.x
+        if tensor[..., -1].any():
+            lowest = min(lowest, float(np.linalg.eigvalsh(value)[0] if value.ndim == 2 else value.min()))
+    return np.append(found.x, lowest - max(1.0, abs(lowest)))
 
 
 def refuted_by(

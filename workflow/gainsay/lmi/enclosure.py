@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from gainsay.errors import InputError
-from gainsay.lmi import backends, duality, scaling
+from gainsay.lmi import backends, centring, duality, scaling
 from gainsay.lmi.affine import Values
 from gainsay.lmi.outcomes import Infeasible, Infimum, Solved, Unbounded, Undecided
 from gainsay.lmi.points import proved_point
@@ -13,8 +13,10 @@ from gainsay.lmi.program import Program
 from gainsay.lmi.solving import MOST_FACES, decide, filled_point, runs
 
 _MARGINS = (1e-9, 1e-8, 1e-7)
-# margins of multipliers where none of those passes: a bound far below says more than none
-_WIDE = (1e-6, 1e-5, 1e-4, 1e-3)
+# parts of the way from the optimum to a point inside, tried in turn for a point near the optimum
+_WAY = (1e-5, 1e-4, 1e-3, 1e-2)
+# mu at which the central path has gone far enough, relative to the size of the objective
+_LEAST = 1e-12
 # least relative eigenvalues kept of multipliers at an optimum that has no interior ones
 _CUTS = (1e-6, 1e-4, 1e-8)
 # the same of the first multipliers at an optimum, whatever they are
@@ -83,11 +85,8 @@ def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None)
     margins = asked or _MARGINS
     best = _upper(program, scale, margins, best, attempts)
     sharp, balanced = _sharpened(program, scale, flat, attempts)
-    tried = [(scale, margins), (balanced, margins)]
-    for dual_scale, parts in tried if asked else [*tried, (balanced, _WIDE)]:
-        if parts is _WIDE and np.isfinite(lower):
-            break
-        bound, multipliers = _lower(program, dual_scale, parts, attempts)
+    for dual_scale in (scale, balanced):
+        bound, multipliers = _lower(program, dual_scale, margins, attempts)
         if bound > lower:
             lower, proof = bound, multipliers
         if best.objective - lower < 1e-7 * abs(best.objective):
@@ -96,11 +95,31 @@ def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None)
         bound, multipliers = duality.lower_bound(program, scale, flat.multipliers, _CUTS)
         if bound > lower:
             lower, proof = bound, multipliers
-    if proof and not best.objective - lower < 1e-6 * max(abs(best.objective), scale.cost):
-        bound, multipliers = duality.nearer_bound(program, scale, flat.multipliers, proof)
-        if bound > lower:
-            lower, proof = bound, multipliers
+    if asked is None and not best.objective - lower < 1e-6 * max(abs(best.objective), scale.cost):
+        best, lower, proof = _along_the_path(program, scale, solved, best, lower, proof, attempts)
     return _told(program, sharp, best, lower, proof, scale.cost, attempts)
+
+
+def _along_the_path(
+    program: Program, scale: scaling.Scaling, inside: Solved, best: Solved, lower: float, proof: dict, attempts: list
+) -> tuple[Solved, float, dict]:
+    """The best of what is known and of what is proved on the central path, the furthest first."""
+    scaled = scaling.apply(program, scale)
+    if not centring.is_small(scaled):
+        return best, lower, proof
+    start = program.coordinates(inside.values) / scale.unknowns
+    path = list(centring.central_path(scaled, program.constraints, start, _LEAST))
+    attempts.append({"solver": "central path", "status": f"{len(path)} points", "aim": "infimum"})
+    for _, x, _ in reversed(path):
+        point = proved_point(program, scale, x * scale.unknowns, best.gap)
+        if point is not None:
+            best = min(best, point, key=lambda one: one.objective)
+            break
+    for _, _, multipliers in reversed(path):
+        bound, found = duality.lower_bound(program, scale, multipliers)
+        if np.isfinite(bound):
+            return (best, bound, found) if bound > lower else (best, lower, proof)
+    return best, lower, proof
 
 
 def _told(
@@ -126,7 +145,7 @@ def _at_once(
         return inside, -np.inf, {}
     lower, multipliers = duality.lower_bound(program, scale, flat.multipliers, _FIRST_CUTS)
     optimum, start = flat.x * scale.unknowns, program.coordinates(inside.values)
-    for part in duality.WAY:
+    for part in _WAY:
         point = proved_point(program, scale, optimum + part * (start - optimum), inside.gap)
         if point is not None and point.objective < inside.objective:
             return point, lower, multipliers

@@ -8,20 +8,20 @@ proved rounding errors.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from flint import fmpq_mat
 
-from gainsay.exact.rational import to_fmpq
 from gainsay.lmi import scaling
 from gainsay.lmi.affine import Definite, Entrywise, Equal
+from gainsay.lmi.frames import assembled, congruent, independent, largest, most_lost, steps_of
 from gainsay.lmi.points import is_strict
-from gainsay.lmi.rounding import RightInverse, gamma, norm, power_of_two, proved_positive
+from gainsay.lmi.rounding import RightInverse, gamma, norm, power_of_two, proved_positive, residual, twofold
 
 # most steps back onto the equations, and the part of a multiplier that one may take away
 _RESTORING = 12
 _PART = 0.7
+# coefficients up to which residuals are formed in twice the digits where doubles do not do
+_MOST_SHARP = 200_000
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class System:
         flat = [t.reshape(-1, len(cost)) for t in scaled.tensors]
         stack = np.vstack(flat)
         self.sizes = np.linalg.norm(stack, axis=0) * (1 + gamma(len(stack)))
-        self._kept = _independent(stack, cost)
+        self._kept = independent(stack, cost)
 
     def solvable(self) -> bool:
         """Whether the unknowns whose equations are left out are known to follow from the others."""
@@ -91,15 +91,26 @@ class System:
         stated = self._within(frames, needed)
         if stated is None:
             return None
-        units, inverse = stated
+        for sharp in (False, True) if self._few() else (False,):
+            found = self._corrected(frames, needed, *stated, sharp)
+            if found is not None:
+                return found
+        return None
+
+    def _few(self) -> bool:
+        return sum(t.size for t in self.scaled.tensors) <= _MOST_SHARP
+
+    def _corrected(
+        self, frames: list[np.ndarray], needed: np.ndarray, units: np.ndarray, inverse: RightInverse, sharp: bool
+    ) -> Multipliers | None:
+        """The proof of `confined` within frames, by residuals in doubles or, sharp, in twice their digits."""
         cores = self._cores(frames)
         for number in range(3):
-            z, wide = _assembled(self.constraints, frames, cores)
-            rest, bound = self._rest(z, wide)
+            z, wide = assembled(self.constraints, frames, cores)
+            rest, bound = self._sharp_rest(frames, cores) if sharp else self._rest(z, wide)
             if number < 2:
-                cores = [
-                    c - e for c, e in zip(cores, _steps(inverse.matrix @ (units * rest[needed]), cores), strict=True)
-                ]
+                steps = steps_of(inverse.matrix @ (units * rest[needed]), cores)
+                cores = [c - e for c, e in zip(cores, steps, strict=True)]
         reach = inverse.reach(norm(units * bound[needed]))
         strict, distance, linear, blur = False, 0.0, [], 0.0
         for constraint, constant, frame, core in zip(
@@ -110,8 +121,8 @@ class System:
                     return None
                 strict = strict or (core.size > 0 and is_strict(constraint))
                 distance += reach * norm(frame) ** 2
-                linear.append(_congruent(constant[..., None], frame).ravel())
-                blur += 2 * gamma(2 * len(frame)) * norm(_congruent(np.abs(constant)[..., None], np.abs(frame)))
+                linear.append(congruent(constant[..., None], frame).ravel())
+                blur += 2 * gamma(2 * len(frame)) * norm(congruent(np.abs(constant)[..., None], np.abs(frame)))
             else:
                 if isinstance(constraint, Entrywise) and core.size and core.min() < reach:
                     return None
@@ -137,13 +148,13 @@ class System:
                 return None
             units, inverse = stated
             cores = self._cores(frames)
-            z, wide = _assembled(self.constraints, frames, cores)
+            z, wide = assembled(self.constraints, frames, cores)
             rest, _ = self._rest(z, wide)
-            steps = _steps(inverse.matrix @ (units * rest[needed]), cores)
-            longest = max((_longest(c, e) for c, e in zip(self.constraints, steps, strict=True)), default=0.0)
+            steps = steps_of(inverse.matrix @ (units * rest[needed]), cores)
+            longest = max((most_lost(c, e) for c, e in zip(self.constraints, steps, strict=True)), default=0.0)
             part = min(1.0, _PART / longest) if longest > 0 else 1.0
             cores = [c - part * e for c, e in zip(cores, steps, strict=True)]
-            z, _ = _assembled(self.constraints, frames, cores)
+            z, _ = assembled(self.constraints, frames, cores)
             if part == 1:
                 return z
         return None
@@ -165,8 +176,8 @@ class System:
             part = tensor if needed.all() else tensor[..., needed]
             if isinstance(constraint, Definite):
                 shape = (frame.shape[1] ** 2, part.shape[-1])
-                columns.append(_congruent(part, frame).reshape(shape))
-                sizes.append(_congruent(np.abs(part), np.abs(frame)).reshape(shape))
+                columns.append(congruent(part, frame).reshape(shape))
+                sizes.append(congruent(np.abs(part), np.abs(frame)).reshape(shape))
             else:
                 columns.append(frame.T @ part)
                 sizes.append(np.abs(frame).T @ np.abs(part))
@@ -183,7 +194,7 @@ class System:
 
     def _frames(self, multipliers: Sequence[np.ndarray], cut: float) -> list[np.ndarray] | None:
         """Factors L of matrices, Z = L L', and diagonal ones of lists, without what is below the cut."""
-        top = _top(self.constraints, multipliers)
+        top = largest(self.constraints, multipliers)
         frames = []
         for constraint, z in zip(self.constraints, multipliers, strict=True):
             if isinstance(constraint, Equal):
@@ -217,6 +228,26 @@ class System:
         count = sum(m.size for m in z) + len(z) + 2
         return total, np.abs(total) + gamma(count) * sizes + spread * (1 + gamma(count))
 
+    def _sharp_rest(self, frames: Sequence[np.ndarray], cores: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Residual of the equations at the products of frames and cores themselves, and a bound on it."""
+        high: list[np.ndarray] = []
+        low: list[np.ndarray] = []
+        sizes: list[np.ndarray] = []
+        for frame, core in zip(frames, cores, strict=True):
+            factors = (frame, core, frame.T) if core.ndim == 2 else (frame, core[:, None])
+            product = twofold(*factors)
+            large = np.abs(factors[0])
+            for factor in factors[1:]:
+                large = large @ np.abs(factor)
+            for kept, part in zip((high, low, sizes), (*product, large), strict=True):
+                kept.append(part.ravel())
+        rows = np.vstack([t.reshape(-1, t.shape[-1]) for t in self._tensors()])
+        cost = self.cost[self.kept]
+        total = residual(np.vstack([rows, rows]).T, -cost, np.concatenate([*high, *low]))
+        return total, np.abs(total) * (1 + gamma(1)) + 2.0**-98 * (
+            np.abs(rows).T @ np.concatenate(sizes) + np.abs(cost)
+        )
+
     def _met(self, frames: Sequence[np.ndarray]) -> np.ndarray:
         """Unknowns that no entry within the frames holds: their equations are met whatever the cores."""
         free = np.ones(len(self.kept), dtype=np.bool_)
@@ -228,7 +259,7 @@ class System:
 
     def factored(self, multipliers: Sequence[np.ndarray], cut: float) -> Multipliers | None:
         """Prove multipliers Z_j = V_j V_j' of the rank that `cut` leaves, by Gauss-Newton and a contraction."""
-        top = _top(self.constraints, multipliers)
+        top = largest(self.constraints, multipliers)
         factors: list[np.ndarray] = []
         for constraint, near in zip(self.constraints, multipliers, strict=True):
             if isinstance(constraint, Definite):
@@ -324,70 +355,3 @@ class System:
         spread = value + spread * (1 + gamma(count)) + gamma(count) * sizes
         distance += float(np.sqrt(sum(norm(e) ** 2 for e in wide)))
         return Multipliers(tuple(z), middle - spread, middle + spread, distance, strict)
-
-
-def _steps(flat: np.ndarray, cores: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Parts of a step of all cores, symmetric where the cores are."""
-    parts, place = [], 0
-    for core in cores:
-        part = flat[place : place + core.size].reshape(core.shape)
-        parts.append((part + part.T) / 2 if core.ndim == 2 else part)
-        place += core.size
-    return parts
-
-
-def _longest(constraint: Any, step: np.ndarray) -> float:
-    """What a core of ones loses by a step, at most."""
-    if isinstance(constraint, Equal) or not step.size:
-        return 0.0
-    return float((np.linalg.eigvalsh(step) if step.ndim == 2 else step).max())
-
-
-def _congruent(tensor: np.ndarray, frame: np.ndarray) -> np.ndarray:
-    """``frame' T_k frame`` for every k, shape (r, r, k)."""
-    n, r = frame.shape
-    half = np.tensordot(frame, tensor, (0, 0))  # (r, n, k)
-    return np.tensordot(half, frame, (1, 0)).transpose(0, 2, 1) if r and n else np.zeros((r, r, tensor.shape[-1]))
-
-
-def _assembled(constraints: Sequence, frames: Sequence, cores: Sequence) -> tuple[list, list]:
-    """Multipliers of frames and cores, and what rounding leaves out of each entry."""
-    z, wide = [], []
-    for constraint, frame, core in zip(constraints, frames, cores, strict=True):
-        large = np.abs(frame)
-        if isinstance(constraint, Definite):
-            m = frame @ core @ frame.T
-            z.append((m + m.T) / 2)
-            wide.append(2 * gamma(2 * frame.shape[1] + 1) * (large @ np.abs(core) @ large.T))
-        else:
-            z.append(frame @ core)
-            wide.append(2 * gamma(frame.shape[1]) * (large @ np.abs(core)))
-    return z, wide
-
-
-def _top(constraints: Sequence, multipliers: Sequence[np.ndarray]) -> float:
-    sizes = [
-        (1e-7 if isinstance(c, Equal) else 1.0) * float(np.abs(m).max(initial=0.0))
-        for c, m in zip(constraints, multipliers, strict=True)
-    ]
-    return max(sizes, default=0.0)
-
-
-def _independent(stack: np.ndarray, cost: np.ndarray) -> np.ndarray | None:
-    """Coordinates whose equations imply those of all others, exactly; None where this is not so or not known."""
-    used = np.flatnonzero(np.abs(stack).max(axis=0, initial=0.0) > 0)
-    if cost[np.setdiff1d(np.arange(len(cost)), used)].any():
-        return None
-    if RightInverse.of(stack[:, used].T) is not None:
-        return used
-    if stack.size > 60_000:
-        return None
-    lines = np.unique(np.vstack([stack[:, used]]), axis=0)
-    lines = lines[np.abs(lines).max(axis=1) > 0]
-    whole = fmpq_mat([[to_fmpq(float(v)) for v in line] for line in np.vstack([lines, cost[None, used]])])
-    _, rank = whole.rref()
-    reduced, own = fmpq_mat([[to_fmpq(float(v)) for v in line] for line in lines]).rref()
-    if own < rank:
-        return None  # no multipliers at all: the cost is not in the span of the coefficients
-    pivots = [next(j for j in range(len(used)) if reduced[i, j] != 0) for i in range(own)]
-    return used[pivots]

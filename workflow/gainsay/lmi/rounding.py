@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["RightInverse", "gamma", "norm", "power_of_two", "proved_positive", "residual"]
+__all__ = ["RightInverse", "gamma", "norm", "power_of_two", "proved_positive", "residual", "twofold"]
 
 _TINY = 1e-290
 _LARGEST = 1e150
@@ -47,6 +47,23 @@ def _rest_of(a: np.ndarray, b: np.ndarray, product: np.ndarray) -> np.ndarray:
 
     (a1, a2), (b1, b2) = split(a), split(b)
     return a2 * b2 - (((product - a1 * b1) - a2 * b1) - a1 * b2)
+
+
+def twofold(*factors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Product of matrices as an unevaluated sum of two, off by less than 2^-100 of the product of their sizes."""
+    high, low = factors[0], np.zeros_like(factors[0])
+    for right in factors[1:]:
+        terms = [np.zeros((len(high), 1, right.shape[1]))]
+        for part in (high, low):
+            left, of = np.broadcast_arrays(part[:, :, None], right[None])
+            product = left * of
+            terms += [product, _rest_of(left, of, product)]
+        stacked = np.concatenate(terms, axis=1)
+        flat = stacked.transpose(0, 2, 1).reshape(len(high) * right.shape[1], stacked.shape[1])
+        shape = (len(high), right.shape[1])
+        high = np.array([fsum(line) for line in flat]).reshape(shape)
+        low = np.array([fsum((*line, -h)) for line, h in zip(flat, high.ravel(), strict=True)]).reshape(shape)
+    return high, low
 
 
 def power_of_two(values: Any) -> Any:
