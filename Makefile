@@ -82,7 +82,7 @@ SLURM_SECONDS ?= 570
 slurm: environment
 	@GAINSAY_SLURM=$(SLURM_SECONDS) $(RUN) pytest -n 0 -m slow -rs tests/end_to_end/test_slurm.py
 
-nightly: environment kernels versions slurm
+nightly: environment kernels versions
 	@GAINSAY_NIGHT=1 $(RUN) pytest -n 2 -m slow tests/known/test_proof_changes.py tests/gainsay/test_tables_damage.py \
 	  tests/gainsay/test_results_damage.py tests/papers/test_assumed_inputs.py
 
