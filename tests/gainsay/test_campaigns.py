@@ -234,6 +234,21 @@ def test_a_row_of_another_kind_or_with_other_inputs_is_refused(case):
         write_chunk(plan(case, SCAN), 5)
 
 
+@pytest.mark.parametrize(
+    ("type_", "values"), [("int64", [1.5]), ("float64", ["1.5"]), ("string", [1]), ("int64", [None])]
+)
+def test_a_column_of_another_type_is_refused_and_leaves_nothing(case, type_, values):
+    columns = {**dict.fromkeys(("x", "y"), "float64"), "z": type_}
+    wrong = replace(
+        EVALUATIONS["scan"], columns=columns, block=lambda case, of: {"x": [0.0], "y": [0.0], "z": values},
+        count=lambda columns: {},
+    )  # fmt: skip
+    whole = Plan(case, SCAN, wrong, "0123456789abcdef")
+    with pytest.raises(InputError, match="column z"):
+        write_chunk(whole, 0)
+    assert not list(chunk_path(whole, 0).parent.glob("*"))
+
+
 def test_the_manifest_says_nothing_of_chunks_time_or_machine(case):
     whole = plan(case, SCAN)
     for number in range(whole.chunks):

@@ -17,6 +17,8 @@ from gainsay.tables.files import write_json
 #: rows of a row group of the gathered table: what is held in memory at a time
 GROUP = 4096
 _FORMAT = "1"
+#: what a column of a type is made of, as numpy calls it: nothing is cut to a whole number, nothing read from a text
+_KINDS = {"int64": "iu", "double": "iuf", "string": "U"}
 
 
 def folder(plan: Plan) -> Path:
@@ -45,12 +47,15 @@ def _schema(plan: Plan) -> Any:
     return arrow.schema(fields + [arrow.field(name, types[type_]) for name, type_ in plan.evaluation.columns.items()])
 
 
-def _array(type_: Any, values: Sequence[Any]) -> Any:
+def _array(field: Any, values: Sequence[Any]) -> Any:
     """Array of a column, from its bytes: an array of Python objects would load pandas, half a second a process."""
     arrow = _arrow()
-    if type_ != arrow.string():
-        held = np.asarray(values, dtype=type_.to_pandas_dtype())
-        return arrow.Array.from_buffers(type_, len(held), [None, arrow.py_buffer(held)])
+    held = np.ascontiguousarray(values)
+    if held.dtype.kind not in _KINDS[str(field.type)]:
+        raise InputError("column", field=field.name, value=str(held.dtype), expected=str(field.type))
+    if field.type != arrow.string():
+        held = held.astype(field.type.to_pandas_dtype())
+        return arrow.Array.from_buffers(field.type, len(held), [None, arrow.py_buffer(held)])
     texts = [text.encode() for text in values]
     ends = np.cumsum([0, *map(len, texts)], dtype=np.int32)
     return arrow.StringArray.from_buffers(len(texts), arrow.py_buffer(ends), arrow.py_buffer(b"".join(texts)))
@@ -97,7 +102,7 @@ def _block_table(plan: Plan, block: Any, schema: Any) -> tuple[Any, dict[str, in
         raise InputError(plan.row.name, field="rows", value=count, expected=f"one a block, or {block.size}")
     index = [block.first] if count == 1 else list(block.indices)
     columns = {"index": index, **found}
-    arrays = [_array(field.type, columns[field.name]) for field in schema]
+    arrays = [_array(field, columns[field.name]) for field in schema]
     return _arrow().Table.from_arrays(arrays, schema=schema), plan.evaluation.count(found)
 
 
