@@ -108,7 +108,7 @@ def release(reconstructed: str, design: str) -> Simulate:
             states = responses.angle_rates(found(nominal.time), satellite.n)
             _log(log, where, nominal.time, states, K, wheel)
             for mark in found.ends[1:-1]:
-                log.event(float(mark), "saturation", f"{where}: a wheel torque passes 0.15 N m", level="warning")
+                log.event(float(mark), "saturation", f"{where}: a wheel torque passes {limit:g} N m", level="warning")
         for k in (0, 1):
             states = np.empty_like(nominal.states)
             for i in range(3):

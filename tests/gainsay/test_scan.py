@@ -180,6 +180,26 @@ def test_a_finite_list_of_readings_is_gone_through_one_by_one():
         readings([WORD, X])
 
 
+def test_the_few_that_decide_otherwise_are_looked_at_closer():
+    """By hand: of a ramp 0..10, 2 of 200 samples and no corner lie below 0.07 but for x = 0 itself."""
+    of = claim("at_least", "0.07")
+    found = scanned(lambda p: p["x"], of, inputs=(X, Y)).to_json()
+    few = sorted(value for value in found["values"] if value < 0.07)
+    others = [value for value in found["values"] if value >= 0.07]
+    assert 0 < len(few) < 5
+    around = found["closer"]["values"]
+    assert len(around) == 64 and few[0] <= min(around) and max(around) <= max(others)
+    said = outcome(of, json.loads(json.dumps(found)))
+    assert (said.closer, said.closer_holding) == (64, sum(value >= 0.07 for value in around))
+    assert f"closer to the few that differ at {said.closer_holding} of 64" in said.note
+    assert 0 < said.closer_holding < 64
+    # where many decide either way, or all one way, there is nothing to look closer at
+    for published in ("5", "-1"):
+        assert (
+            scanned(lambda p: p["x"], claim("at_least", published), inputs=(X, Y)).to_json()["closer"]["values"] == []
+        )
+
+
 def test_what_its_points_bear_out_is_part_of_a_scan():
     found = scanned(lambda p: p["x"], admissible=lambda p: p["x"] < 5, bears_out=("width",)).to_json()
     assert found["bears_out"] == ["width"] and max(found["values"]) < 5

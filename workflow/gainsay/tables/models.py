@@ -22,7 +22,10 @@ Digits = Literal["scan", "confirmed", ""]
 HoldsFor = Literal["every", "some", ""]
 Step = Literal["synthesis", "audit", "simulation"]
 Tolerance = Literal["exact", "rounding", "enclosed", "sampled", "floor"]
-ScanItem = Literal["outcome", "samples", "holding", "smallest", "largest", "turns_on", "holds_at", "fails_at"]
+ScanItem = Literal[
+    "outcome", "samples", "holding", "closer", "closer_holding", "smallest", "largest", "turns_on", "holds_at",
+    "fails_at",
+]  # fmt: skip
 VERDICTS: tuple[str, ...] = get_args(Verdict)
 
 

@@ -233,7 +233,8 @@ def _one_is_enough(claim: Claim, judged: Judgement) -> Judgement:
     """Judge a number under a sentence that says `can`: one input bears it out, and one refutes nothing."""
     at = f" at {claim.given}" if claim.given else ""
     if judged.verdict == "reproduced":
-        return replace(judged, witness=f"borne out by {claim.quantity} = {judged.recomputed!r} {claim.unit}{at}")
+        value = f"{judged.recomputed!r} {claim.unit}".removesuffix(" 1")
+        return replace(judged, witness=f"borne out by {claim.quantity} = {value}{at}")
     if judged.verdict == "contradicted":
         note = f"not borne out{at}, which does not say that nothing bears it out: {judged.witness}"
         return replace(judged, verdict="undecided", witness="", note=note)

@@ -63,6 +63,8 @@ class Outcome:
         Where the outcome turns along a threshold that the paper does not print, one phrase.
     one_is_enough : bool
         Whether the sentence says `can` or the like, so that one sample bears it out.
+    closer, closer_holding : int
+        Points looked at around samples that are few in deciding otherwise than all others, and at how many it holds.
     """
 
     claim: str
@@ -80,6 +82,8 @@ class Outcome:
     criterion: str
     turning: str = ""
     one_is_enough: bool = False
+    closer: int = 0
+    closer_holding: int = 0
 
     @property
     def outcome(self) -> str:
@@ -138,7 +142,8 @@ class Outcome:
         count = str(self.holding) if self.holding == self.at_best else f"{self.holding} to {self.at_best}"
         of = "readings" if self.finite else "plausible inputs"
         enough = ", of which one is enough" if self.one_is_enough else ""
-        return f"holds at {count} of {self.samples} {of}{enough} ({self.quantity} {self.criterion})"
+        closer = f", closer to the few that differ at {self.closer_holding} of {self.closer}" if self.closer else ""
+        return f"holds at {count} of {self.samples} {of}{enough}{closer} ({self.quantity} {self.criterion})"
 
 
 class _Found(BaseModel):
@@ -146,19 +151,21 @@ class _Found(BaseModel):
 
     model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
 
-    values: list[float] = Field(min_length=1)
-    points: list[list[float | str | bool]]
+    values: list[float] = []
+    points: list[list[float | str | bool]] = []
 
 
 class ScanFile(_Found):
     """``scans/<quantity>.json``: values of a quantity over what a paper leaves out."""
 
+    values: list[float] = Field(min_length=1)
     quantity: str
     seed: int
     sequence: str
     inputs: list[dict[str, float | str | bool | list[float | str]]]
     crossings: list[_Found]
     bears_out: list[str] = []
+    closer: _Found = _Found()
 
 
 def _short(value: Any) -> str:
@@ -183,7 +190,7 @@ def _read_scan(path: Path, root: Path) -> dict[str, Any]:
     try:
         scan = ScanFile.model_validate(content)
         inputs = [Plausible.from_json(entry) for entry in content["inputs"]]
-        for found in (scan, *scan.crossings):
+        for found in (scan, *scan.crossings, scan.closer):
             for _, row in zip(found.values, found.points, strict=True):
                 for entry, at in zip(inputs, row, strict=True):
                     entry.fraction(at)  # raises where the input cannot have the value
@@ -238,6 +245,8 @@ def outcome(claim: Claim, scan: Mapping[str, Any]) -> Outcome:
         parts["criterion"] = f"{strict.phrase} to {lenient.phrase}"
         if at_best and holding < len(found):
             parts["turning"] = _along_the_threshold(claim, by_value[0][0], by_value[-1][0])
+    around = scan.get("closer", {}).get("values", [])
+    parts |= {"closer": len(around), "closer_holding": sum(strict.holds(value) for value in around)}
     distinct = len({tuple(row) for row in scan["points"]})
     return Outcome(
         claim.id,

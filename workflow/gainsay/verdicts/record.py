@@ -22,6 +22,8 @@ def scan_items(scan: Outcome) -> dict[str, tuple[str, bool]]:
         "outcome": (scan.outcome, False),
         "samples": (cell(scan.samples), False),
         "holding": (cell(scan.holding), False),
+        "closer": (cell(scan.closer) if scan.closer else "", False),
+        "closer_holding": (cell(scan.closer_holding) if scan.closer else "", False),
         "smallest": (cell(scan.least[0]), True),
         "largest": (cell(scan.greatest[0]), True),
         "turns_on": ("" if scan.boundary is None else scan.boundary.input, False),

@@ -13,7 +13,7 @@ H. Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM, 1
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from typing import Any
 
@@ -26,6 +26,8 @@ __all__ = ["Plausible", "Point", "Scan", "corners", "fractions", "plausible", "s
 #: fewest samples on which a verdict may rest
 LEAST_SAMPLES = 200
 _MOST_CUTS = 60
+#: so few samples that decide otherwise than all others are looked at closer, at so many more points
+FEW, CLOSER = 5, 64
 #: pairs of samples with different outcomes that are tried, nearest first
 _MOST_PAIRS = 50
 
@@ -48,6 +50,8 @@ class Scan:
         Two points that differ in one input, close to each other or two values of a choice, between which a claim turns.
     bears_out : tuple of str
         Printed parameters that every point bears out: it is a condition of what is said of the points.
+    closer : tuple of (float, Point)
+        The quantity at points around samples that are few in deciding otherwise than all others.
     """
 
     quantity: str
@@ -56,6 +60,7 @@ class Scan:
     found: tuple[Pair, ...]
     crossings: tuple[tuple[Pair, Pair], ...]
     bears_out: tuple[str, ...] = ()
+    closer: tuple[Pair, ...] = ()
 
     @property
     def note(self) -> str:
@@ -83,6 +88,10 @@ class Scan:
                 for pair in self.crossings
             ],
             "bears_out": list(self.bears_out),
+            "closer": {
+                "values": [value for value, _ in self.closer],
+                "points": [row(point) for _, point in self.closer],
+            },
         }
 
 
@@ -156,12 +165,44 @@ def scan(
     else:
         points = [*sample(inputs, samples, seed, admissible), *corners(inputs, admissible)]
     found = list(zip(values_at(points), points, strict=True))
-    crossings = []
+    crossings: list[tuple[Pair, Pair]] = []
+    closer: list[Pair] = []
     for claim in case.claims.values():
         if claim.quantity == quantity and claim.comparator in NUMERIC:
             for one in criteria(claim):
                 crossings += _crossing(inputs, found, values_at, one.holds, admissible, width, parts)
-    return Scan(quantity, tuple(inputs), seed, tuple(found), tuple(crossings), tuple(bears_out))
+                if not closer:
+                    around = _around_the_few(inputs, found, one.holds, seed, admissible)
+                    closer = list(zip(values_at(around), around, strict=True))
+    return Scan(quantity, tuple(inputs), seed, tuple(found), tuple(crossings), tuple(bears_out), tuple(closer))
+
+
+def _around_the_few(
+    inputs: Sequence[Plausible],
+    found: Sequence[Pair],
+    holds: Holds,
+    seed: int,
+    admissible: Callable[[Mapping], bool] | None,
+) -> list[Point]:
+    """Draw points from the least box around the few samples that decide otherwise and, of each, the nearest other."""
+    sides: tuple[list[Point], list[Point]] = ([], [])
+    for value, point in found:
+        sides[holds(value)].append(point)
+    few, others = sorted(sides, key=len)
+    if not 0 < len(few) < FEW:
+        return []
+    near: dict[int, Point] = {}
+    for i, j in nearest(inputs, few, others):
+        near.setdefault(i, others[j])
+    box = []
+    for one in inputs:
+        values = [point[one.name] for point in (*few, *near.values())]
+        ends = min(values), max(values)
+        if one.values or ends[0] == ends[1]:
+            box.append(replace(one, low=None, high=None, values=tuple(dict.fromkeys(values))))
+        else:
+            box.append(replace(one, low=ends[0], high=ends[1]))
+    return sample(box, CLOSER, seed, admissible)
 
 
 def _crossing(
