@@ -45,6 +45,19 @@ def test_a_setting_that_is_none_is_refused_in_one_line(root, setting, said):
 
 
 @pytest.mark.slow
+def test_a_target_that_is_none_is_refused_in_one_line(root):
+    (root / "Snakefile").write_text(
+        (root / "Snakefile").read_text() + "\n\nrule own:\n    output:\n        touch('mine'),\n"
+    )
+    for target in ("toy2001", "toy2001_audit", "own", "mine", "campaigns", "results/index.html"):
+        code, text = planned(root, target)
+        assert code == 0, text
+    code, text = planned(root, "toy201")
+    assert code == 2
+    assert "bad input: unknown target 'toy201': expected 'toy2001'? It is one of toy2001, campaigns" in text
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "papers", ["papers:\n", "papers: [toy2001]\n", "papers: toy2001, toy2001\n", "numeric_threads: 2\n"]
 )

@@ -20,6 +20,19 @@ def test_peaks_of_an_oscillator_have_their_closed_form(damping, w, steps):
     assert peak.time == pytest.approx(np.arccos(damping) / (v * w), rel=1e-6)
 
 
+@given(st.floats(0.05, 0.9), st.floats(0.2, 3.0), st.integers(40, 400))
+@settings(max_examples=30, deadline=None)
+def test_rise_times_have_their_closed_form(damping, w, steps):
+    """The error -e^(-d w t) (cos v w t + d/v sin v w t) of a unit step is zero first at v w t = pi - acos d."""
+    A = np.array([[0, 1], [-(w**2), -2 * damping * w]])
+    response, error = Response(A, np.array([-1.0, 0.0]), 20 / w, steps), np.array([1.0, 0.0])
+    v = np.sqrt(1 - damping**2)
+    assert response.first_crossing(error, 0.0) == pytest.approx((np.pi - np.arccos(damping)) / (v * w), rel=1e-8)
+    assert response.first_crossing(-error, 0.0) == response.first_crossing(error, 0.0)
+    assert response.first_crossing(error, -1.0) == 0.0
+    assert response.first_crossing(error, 1.0) == response.end  # it overshoots by less than the step
+
+
 def test_settling_of_a_first_order_lag():
     # Closed form: e^(-t/3) falls below 0.02 at 3 ln 50.
     response = Response(np.array([[-1 / 3]]), np.array([1.0]), 30.0, 50)

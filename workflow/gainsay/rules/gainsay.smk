@@ -9,6 +9,28 @@ include: "campaign_points.smk"
 include: "campaigns.smk"
 
 
+# A name that no other rule makes: Snakemake would end without a word, for `quiet: all` silences it. Rules without
+# wildcards come first, so that a project's own are untouched.
+rule unknown:
+    output:
+        "{target}",
+    log:
+        "results/unknown/{target}.log",
+    wildcard_constraints:
+        target="[A-Za-z0-9_-]+",
+    params:
+        lambda wildcards: refuse(
+            InputError(
+                "unknown target",
+                value=wildcards.target,
+                expected=one_of(wildcards.target, [*ALL, "campaigns"]),
+            )
+        ),
+    localrule: True
+    shell:
+        "false"
+
+
 WANTED = (
     ["results/.checked"]
     if PAPERS == ALL

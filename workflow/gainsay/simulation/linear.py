@@ -158,6 +158,18 @@ class Response:
             brentq(lambda t: abs(float(output @ self.at(t))) - level, self.time[i], self.time[i + 1], xtol=1e-10)
         )
 
+    def first_crossing(self, output: np.ndarray, level: float) -> float:
+        """Time at which c x first passes a level, such as a rise time; the end itself where it never does."""
+        output, level = self._row(output), real_number(level, "level")
+        values = self.states @ output - level
+        if values[0] == 0:
+            return 0.0
+        passed = np.flatnonzero(values * np.sign(values[0]) <= 0)
+        if len(passed) == 0:
+            return self.end
+        i = int(passed[0])
+        return float(brentq(lambda t: float(output @ self.at(t)) - level, self.time[i - 1], self.time[i], xtol=1e-10))
+
 
 def with_harmonics(
     A: np.ndarray, shape: np.ndarray, rates: Sequence[float], amplitude: float, constant: float = 0.0
