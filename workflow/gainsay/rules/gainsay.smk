@@ -18,6 +18,7 @@ rule unknown:
         "results/unknown/{target}.log",
     wildcard_constraints:
         target="[A-Za-z0-9_-]+",
+    localrule: True
     params:
         lambda wildcards: refuse(
             InputError(
@@ -26,7 +27,6 @@ rule unknown:
                 expected=one_of(wildcards.target, [*ALL, "campaigns"]),
             )
         ),
-    localrule: True
     shell:
         "false"
 
