@@ -8,6 +8,7 @@ import pytest
 from gainsay import cli
 from gainsay.errors import InputError
 from gainsay.report.reading import read_results
+from gainsay.results.returned import VERDICT_COLUMNS
 from gainsay.steps.explain import explain
 from gainsay.tables import paper_names, read_case
 from gainsay.verdicts.evidence import Concluded, Evidence, Found
@@ -71,7 +72,8 @@ def test_digits_of_what_is_ours_are_refused(project, digits, expected):
 
 
 def judged(case, claim, evidence):
-    return _row(case, claim, judge(case, case.claims[claim], evidence, {}), evidence)
+    found = judge(case, case.claims[claim], evidence, {})
+    return _row(case, claim, found, evidence, found.verdict)
 
 
 def test_a_contradiction_names_what_its_proof_reads_from_the_scan(project):
@@ -93,7 +95,9 @@ def test_explain_and_the_page_show_replies_and_digits(tmp_path):
     (root / "papers/toy2001/replies.csv").write_text(HEADER + f"poles,{hostile},a figure,nothing,an author\n")
     table = root / "results/toy2001/verdicts.csv"
     lines = table.read_text().splitlines()
-    table.write_text("\n".join(f"{x}L" if x.startswith("poles,") else x for x in lines) + "\n")
+    after = len(VERDICT_COLUMNS) - VERDICT_COLUMNS.index("digits") - 1
+    rows = [f"{x[: len(x) - after]}L{',' * after}" if x.startswith("poles,") else x for x in lines]
+    table.write_text("\n".join(rows) + "\n")
     case = read_case(root, "toy2001")
     text = "\n".join(explain(case, "poles"))
     assert f"disputed, says an author: {hostile}; on the ground: a figure; done: nothing" in text
