@@ -13,18 +13,15 @@ from scipy.linalg import solve_discrete_are
 from scipy.optimize import brentq, minimize, minimize_scalar
 
 from gainsay.errors import ComputationError
-from papers.li2021.conditions_robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop
+from papers.li2021.conditions_robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop, schatten
 
 
-def scaled_norm(log_scale: np.ndarray, M: np.ndarray, power: float) -> tuple[float, np.ndarray]:
+def scaled_norm(log_scale: np.ndarray, M: np.ndarray, power: int) -> tuple[float, np.ndarray]:
     """Schatten norm of E M E^-1, E = diag(exp(log_scale)), and its gradient in the 25 logarithms; D = E^2."""
     e = np.exp(log_scale[OF_CHANNEL])
     scaled = e[:, None] * M / e
-    U, s, Vh = np.linalg.svd(scaled)
-    weight = (s / s[0]) ** power
-    value = s[0] * weight.sum() ** (1 / power)
-    slope = (U * (value / weight.sum() * weight / np.maximum(s, 1e-300))) @ Vh
-    part = np.real(np.conj(slope) * scaled)
+    value, slope = schatten(scaled[None], power)
+    part = np.real(np.conj(slope[0]) * scaled)
     return value, SPREAD.T @ (part.sum(1) - part.sum(0))
 
 
