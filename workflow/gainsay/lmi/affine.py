@@ -16,6 +16,9 @@ from gainsay.exact.floats import real_array
 
 Values = Mapping[str, Any]
 
+# squared entries of one unknown: its tensor of coordinates holds so many doubles, or half of them
+_MOST_COEFFICIENTS = 200_000_000
+
 
 class Affine:
     """A matrix ``constant + sum of coefficients[..., k] * coordinate k`` over the coordinates of its unknowns.
@@ -148,12 +151,16 @@ class Variable(Affine):
     Raises
     ------
     InputError
-        The shape has no entries.
+        The name is empty or no text, or the shape has no entries or more coefficients than memory should hold.
     """
 
     def __init__(self, name: str, kind: str, rows: int, columns: int) -> None:
-        if not (rows >= 1 and columns >= 1):
+        if not isinstance(name, str) or not name:
+            raise InputError("unknown", value=name, expected="a name")
+        if any(type(n) is bool or not isinstance(n, int | np.integer) or n < 1 for n in (rows, columns)):
             raise InputError("unknown", field=name, value=(rows, columns), expected="at least one row and one column")
+        if (rows * columns) ** 2 > _MOST_COEFFICIENTS:
+            raise InputError("unknown", field=name, value=(rows, columns), expected="fewer entries")
         self.name, self.kind = name, kind
         if kind == "symmetric":
             self.index = [(i, j) for j in range(columns) for i in range(j + 1)]
@@ -174,8 +181,9 @@ class Variable(Affine):
         return len(self.index)
 
     def coordinates(self, value: Any) -> np.ndarray:
-        """Free coordinates of a value; a value of the wrong shape raises InputError."""
-        array = np.asarray(value, dtype=float).reshape(1, 1) if np.ndim(value) == 0 else np.asarray(value, dtype=float)
+        """Free coordinates of a value; one of the wrong shape, or of no real numbers, raises InputError."""
+        array = real_array(value, f"value of {self.name}", finite=False)
+        array = array.reshape(1, 1) if array.ndim == 0 else array
         if array.shape != self.shape:
             raise InputError("shape of the value", field=self.name, value=array.shape, expected=str(self.shape))
         rows, columns = np.array(self.index).T
@@ -251,8 +259,16 @@ def trace(expression: Any) -> Affine:
     return Affine(np.array([[np.trace(read.constant)]]), terms)
 
 
+class _Stated:
+    """What is stated, not computed: it is neither true nor false before its program is solved."""
+
+    def __bool__(self) -> bool:
+        """Refuse: ``a < F < b`` would keep its last half alone."""
+        raise InputError("constraint", value=type(self).__name__, expected="each comparison on its own: a < F, F < b")
+
+
 @dataclass(frozen=True)
-class Definite:
+class Definite(_Stated):
     """A matrix inequality, kept as `expression` > 0 (or >= 0).
 
     Parameters
@@ -301,7 +317,7 @@ class Definite:
 
 
 @dataclass(frozen=True)
-class Entrywise:
+class Entrywise(_Stated):
     """Every entry of `expression` (any shape) is at least zero."""
 
     label: str
@@ -309,7 +325,7 @@ class Entrywise:
 
 
 @dataclass(frozen=True)
-class Equal:
+class Equal(_Stated):
     """Every entry of `expression` (any shape) is zero."""
 
     label: str

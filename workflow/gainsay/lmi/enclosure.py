@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from gainsay.errors import InputError
+from gainsay.exact.floats import real_number
 from gainsay.lmi import backends, centring, duality, scaling
 from gainsay.lmi.affine import Values
 from gainsay.lmi.outcomes import Infeasible, Infimum, Solved, Unbounded, Undecided
@@ -44,10 +45,10 @@ def infimum(
     Raises
     ------
     InputError
-        If no margin is given.
+        If there is no margin, or one that is not between 0 and 1.
     """
-    if margins == ():
-        raise InputError("infimum", field="margins", value=margins, expected="at least one")
+    if margins is not None and not (margins and all(0 < real_number(m, "margins") < 1 for m in margins)):
+        raise InputError("infimum", field="margins", value=margins, expected="at least one, each between 0 and 1")
     solved, last = decide(program, near, 4, MOST_FACES, settle=margins is not None)
     if not isinstance(solved, Solved):
         return solved

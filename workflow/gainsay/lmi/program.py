@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from gainsay.errors import InputError
+from gainsay.exact.floats import real_number
 from gainsay.lmi.affine import Affine, Constraint, Definite, Entrywise, Equal, Values, Variable, affine
 
 
@@ -95,7 +96,7 @@ class Program:
         self.objective = affine(0.0 if self.minimise is None else self.minimise)
         if self.objective.shape != (1, 1):
             raise InputError("objective", field=self.label, value=self.objective.shape, expected="a scalar expression")
-        if not 0 <= self.margin < 1:
+        if not 0 <= real_number(self.margin, f"{self.label}, margin") < 1:
             raise InputError("margin", field=self.label, value=self.margin, expected="at least 0, below 1")
         self.constraints = list(_flat(self.subject_to))
         for label, expression in (("objective", self.objective), *((c.label, c.expression) for c in self.constraints)):

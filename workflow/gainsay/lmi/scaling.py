@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from gainsay.errors import InputError
-from gainsay.lmi.affine import Variable
+from gainsay.exact.floats import real_array, real_number
+from gainsay.lmi.affine import Values, Variable
 from gainsay.lmi.program import Program
 from gainsay.lmi.rounding import power_of_two
 
@@ -76,6 +77,22 @@ def exact(program: Program, scaling: Scaling) -> tuple[Scaling, Scaled] | None:
         if not (size > 1 / _FARTHEST).all() or not (size < _FARTHEST).all():
             return None
     return scaling, scaled
+
+
+def beginning(program: Program, near: Values | None) -> Scaling:
+    """The first scaling of a search for a point: from values of about the sizes expected, where they are given.
+
+    Raises
+    ------
+    InputError
+        If a value is missing or no finite number.
+    """
+    if near is None:
+        return first(program)
+    x = program.coordinates(near)
+    if not np.isfinite(x).all():
+        raise InputError("near", field=program.label, value="nan or inf", expected="finite values of all unknowns")
+    return from_point(program, x)
 
 
 def first(program: Program) -> Scaling:
@@ -145,13 +162,16 @@ def _parameters(variable: Variable) -> np.ndarray:
 
 def _stated(variable: Variable, typical: Any) -> np.ndarray:
     rows, columns = variable.shape
+    field = f"typical size of {variable.name}"
     if variable.kind == "full":
-        pair = typical if isinstance(typical, tuple) else (np.full(rows, float(typical)), np.ones(columns))
-        sizes = np.concatenate([np.asarray(part, dtype=float) for part in pair])
+        pair = (
+            typical if isinstance(typical, tuple) else (np.ones(rows) * real_number(typical, field), np.ones(columns))
+        )
+        sizes = np.concatenate([np.atleast_1d(real_array(part, field)) for part in pair])
         expected = rows + columns
     else:
-        sizes = np.asarray(typical, dtype=float)
-        if sizes.ndim == 0:
+        sizes = real_array(typical, field)
+        if sizes.ndim == 0 and sizes > 0:
             sizes = np.full(rows, np.sqrt(sizes) if variable.kind == "symmetric" else sizes)
         expected = rows
     if sizes.shape != (expected,) or not (sizes > 0).all():

@@ -49,7 +49,7 @@ def solve(program: Program, near: Values | None = None, rounds: int = 4) -> Outc
     InputError
         If there are no rounds, or `near` lacks an unknown.
     """
-    if rounds < 1:
+    if not isinstance(rounds, int) or rounds < 1:
         raise InputError("solve", field="rounds", value=rounds, expected="at least 1")
     return decide(program, near, rounds, MOST_FACES)[0]
 
@@ -71,11 +71,13 @@ def decide(
     settle : bool, optional
         Whether to scale anew until the objective settles, or to take the first point proved.
     """
+    if not isinstance(program, Program):
+        raise InputError("solve", value=type(program).__name__, expected="a Program")
     decided = without_solver(program)
     if decided is not None:
         return decided, program
     attempts: list[dict] = []
-    first = scaling.first(program) if near is None else scaling.from_point(program, program.coordinates(near))
+    first = scaling.beginning(program, near)
     inside = None
     settle = settle and sum(row.tensor.size for row in program.rows) < _LARGE
     for setting in backends.SETTINGS:
@@ -322,6 +324,6 @@ def find_point(program: Program, near: Values | None = None) -> Solved | None:
     decided = without_solver(program)
     if decided is not None:
         return decided if isinstance(decided, Solved) else None
-    first = scaling.first(program) if near is None else scaling.from_point(program, program.coordinates(near))
+    first = scaling.beginning(program, near)
     found = runs(program, first, "clarabel", 4, [], settle=True)
     return found if isinstance(found, Solved) else None
