@@ -5,9 +5,11 @@ import pytest
 from flint import fmpq, fmpq_poly
 from scipy import linalg
 
+from gainsay.errors import CertificateError
+from gainsay.proof import check
 from gainsay.proof.certificate import LONGEST_TEXT
 from gainsay.proof.kinds.positive_on_interval import roots_between
-from tests.gainsay.proof_examples import make, proved, refused
+from tests.gainsay.proof_examples import SIMPLE, TABLES, make, proved, refused
 
 
 @pytest.mark.parametrize(("through", "gamma", "p", "holds"), [
@@ -56,7 +58,7 @@ def test_a_real_parameter_is_that_of_its_own_block(place):
             assert "arc 1" in refused("contour", fields, {**witness, "g": g})
 
 
-@pytest.mark.parametrize("through", ["1", "-2", "2"])
+@pytest.mark.parametrize("through", ["1", "-1.2", "2"])
 def test_an_interconnection_that_is_not_well_posed_is_refused(through):
     # I - Dw l is singular at l = 1/Dw
     fields = {"A": "-1", "H": "0.1", "Cz": "0.1", "Dw": through, "blocks": [["full", 1, 1]], "arcs": ["0", "0.5", "1"],
@@ -75,6 +77,22 @@ def test_roots_at_the_ends_of_an_interval_count(low, high, count):
 )
 def test_unknowns_without_entries_or_of_no_known_structure_are_refused(unknown):
     assert "unknown 'X'" in refused("identity", {"left": "X", "right": "X"}, unknowns={"X": unknown})
+
+
+@pytest.mark.parametrize(
+    "P", [None, 1j, {"a": 1}, [["a", "0"], ["0", "1"]], [["nan", "0"], ["0", "1"]], [["1/0", "0"], ["0", "1"]],
+          [["1e99999", "0"], ["0", "1"]], [["\u0661", "0"], ["0", "1"]], [[1.0], [0.0, 1.0]], [[None, 0], [0, 1]]]
+)  # fmt: skip
+def test_a_witness_that_is_no_matrix_of_numbers_is_refused(P):
+    refused("lyapunov", {"matrix": SIMPLE, "alpha": "0"}, {"P": P})
+
+
+@pytest.mark.parametrize("id", ["c\n", "c\x1b[31m", "", 5, None])
+def test_an_id_that_is_none_stands_in_no_message(id):
+    certificate = make("definite", {"constraint": "eye(2) > 0"}).changed(id=id)
+    with pytest.raises(CertificateError) as caught:
+        check(certificate, TABLES)
+    assert str(caught.value).isprintable()
 
 
 def test_a_text_beyond_its_limit_is_refused():

@@ -180,3 +180,10 @@ def test_a_system_that_is_not_stable_has_no_norm(A, sample):
 def test_bad_settings_are_refused(arguments):
     with pytest.raises(InputError):
         hinf_norm([[-0.5]], [[1]], [[1]], **arguments)
+
+
+@pytest.mark.parametrize("rate", [5e-324, 1e-310])
+def test_a_norm_beyond_doubles_is_refused(rate):
+    # 1/(s + rate): the norm is 1/rate, above the largest double
+    with pytest.raises(ComputationError, match="double precision"):
+        hinf_norm([[-rate]], [[1.0]], [[1.0]])

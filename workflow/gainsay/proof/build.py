@@ -114,7 +114,7 @@ def certificate(
     for name in witness or {}:
         stem = name.rstrip("0123456789")
         structures.setdefault(name, "symmetric" if stem in _SYMMETRIC else "skew" if stem in _SKEW else "full")
-    raw = {name: listed(values) for name, values in (witness or {}).items()}
+    raw = {name: _listed(id, name, values) for name, values in (witness or {}).items()}
     rounds = digits if any(has_floats(rows) for rows in raw.values()) else digits[:1]
     draft = Certificate(
         id=id,
@@ -129,10 +129,24 @@ def certificate(
     )
 
     def attempt(count: int) -> Certificate:
-        exact = {name: texts(rounded(rows, count, structures[name])) for name, rows in raw.items()}
+        exact = {name: _exact(id, name, rows, count, structures[name]) for name, rows in raw.items()}
         return finish(draft.changed(witness=exact), tables, quantities)
 
     return _first(attempt, rounds)
+
+
+def _listed(id: str, name: str, values: Any) -> list[list[Any]]:
+    try:
+        return listed(values)
+    except TypeError as error:
+        raise CertificateError(f"{id}: witness {name!r}: {type(values).__name__} is no matrix") from error
+
+
+def _exact(id: str, name: str, rows: list[list[Any]], digits: int, structure: str) -> list[list[str]]:
+    try:
+        return texts(rounded(rows, digits, structure))
+    except (TypeError, ValueError, IndexError) as error:
+        raise CertificateError(f"{id}: witness {name!r}: {error}") from error
 
 
 def feasible_point(

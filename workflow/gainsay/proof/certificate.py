@@ -182,7 +182,8 @@ class Certificate:
         CertificateError
             If they do not.
         """
-        return self._from_body(self.body(), self.id[:80] if isinstance(self.id, str) else "certificate")
+        named = isinstance(self.id, str) and _ID.fullmatch(self.id)
+        return self._from_body(self.body(), self.id if named else "certificate")
 
     @classmethod
     def _from_body(cls, raw: dict[str, Any], name: str) -> "Certificate":

@@ -120,13 +120,18 @@ def _likely_peaks(system: StateSpace) -> list[float]:
     candidates = {0.0, *sizes.tolist(), *np.abs(poles.imag).tolist(), *grid.tolist()}
     best, shift = 0.0, 0.0
     for w in sorted(candidates):
-        try:
-            gain = system.gain(w)
-        except np.linalg.LinAlgError:  # a pole to rounding
-            continue
+        gain = _rounded_gain(system, w)
         if gain > best:
             best, shift = gain, w
     return [shift, *_level_guesses(system, best)] if best > 0 else [shift]
+
+
+def _rounded_gain(system: StateSpace, frequency: float) -> float:
+    """The gain by rounded numbers, zero where a pole or the range of doubles is too near."""
+    try:
+        return system.gain(frequency)
+    except np.linalg.LinAlgError:
+        return 0.0
 
 
 def _level_guesses(system: StateSpace, best: float) -> list[float]:
@@ -140,7 +145,7 @@ def _level_guesses(system: StateSpace, best: float) -> list[float]:
         values = numerators[finite] / denominators[finite]
         near = np.unique(np.abs(values[np.abs(values.real) <= 1e-6 * np.abs(values)].imag))
         middles = [0.5 * (a + b) for a, b in pairwise(near)] + list(near)
-        gain, place = max(((system.gain(w), float(w)) for w in middles), default=(0.0, 0.0))
+        gain, place = max(((_rounded_gain(system, w), float(w)) for w in middles), default=(0.0, 0.0))
         if not gain > best * (1 + 1e-9):
             break
         best, guess = gain, [place]
