@@ -283,6 +283,34 @@ def lost(path, draw):
     path.unlink()
 
 
+def some_json(value, draw):
+    """Another value somewhere in JSON."""
+    paths = list(places_in(value))
+    path = draw.choice([p for p in paths if p] or paths)
+    new = draw.choice([None, True, -1, 1e308, "", "x" * 400, [], {}, [[]], {"a": 1}, 10**400, "nan", [1, [2]]])
+    target = value
+    for key in path[:-1]:
+        target = target[key]
+    if draw.random() < 0.3:
+        del target[path[-1]]
+    else:
+        target[path[-1]] = new
+
+
+def places_in(value, path=()):
+    yield path
+    if isinstance(value, dict | list):
+        for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from places_in(inner, (*path, key))
+
+
+def in_json(path, draw):
+    """Another value in a JSON file, which stays JSON."""
+    content = json.loads(path.read_text())
+    some_json(content, draw)
+    path.write_text(json.dumps(content))
+
+
 BYTES = [bytes_of(f) for f in (truncated, truncated, flipped, flipped, cut_out, zeroed, other_coding, emptied, huge)]
 TEXTS = [text_of(f) for f in (digit, twin_digit, twin_digit, underscore, underscore, many_digits, words_for_numbers,
                               brackets, nested, long_name, controls, quotes, lines, words, dos, no_end)]  # fmt: skip

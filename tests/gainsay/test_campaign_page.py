@@ -24,6 +24,12 @@ def test_what_is_gathered_is_shown_as_long_as_the_row_is_the_same(project):
     assert view.picture == ""
     (folder / "luck.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
     assert campaign_views(case)[0].picture.startswith("data:image/svg+xml,")
+    (folder / "luck.svg").write_bytes(b"\xff")
+    assert campaign_views(case)[0].picture == ""
+    for told in ([1], None, "x"):
+        (folder / "luck.json").write_text(json.dumps({**manifest, "told": told}))
+        assert campaign_views(case)[0].answers == ()
+    (folder / "luck.json").write_text(json.dumps(manifest))
     table.write_text(table.read_text().replace(",7,", ",8,"))
     assert campaign_views(read_case(project.root, "toy")) == ()
     table.write_text(table.read_text().replace(",8,", ",7,"))

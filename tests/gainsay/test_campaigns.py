@@ -2,6 +2,7 @@
 
 import json
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -23,7 +24,19 @@ from gainsay.campaigns.store import about_chunk, chunk_path, folder, gather, gat
 from gainsay.errors import InputError
 from gainsay.tables import read_case
 from gainsay.tables.models import Campaign
+from tests.gainsay.table_damage import BYTES, PLACES
 
+#: what docs/robustness.md says of damaged campaigns
+TRIED = [
+    {
+        "what": "chunks of campaigns",
+        "how": "bytes as in tables; a bit of what the file says of itself; a link, a pipe, a device, a folder or "
+        "nothing in its place",
+        "fast": 60, "slow": 0, "night": 0,
+        "promise": "refused in one line and made again, or table and manifest the same to the byte",
+    }
+]  # fmt: skip
+SEED = 20261126
 SCAN = Campaign(name="plane", kind="scan", inputs="x=0..1; y=1..10 log", resolution="13x7", seed="", block="5",
                 chunk="20", claim="", question="q")  # fmt: skip
 DRAWS = Campaign(name="luck", kind="draws", inputs="factor=0..1", resolution="1003", seed="7", block="10", chunk="50",
@@ -136,6 +149,45 @@ def test_a_chunk_that_is_missing_damaged_or_of_other_tables_is_refused(case):
         chunk_path(other, number).write_bytes(chunk_path(whole, number).read_bytes())
     with pytest.raises(InputError, match="another chunk"):
         gather(other)
+
+
+def flipped_after_its_pages(content, draw):
+    """A bit of what a Parquet file says of itself, which no checksum covers."""
+    copy, length = bytearray(content), int.from_bytes(content[-8:-4], "little")
+    copy[len(copy) - 9 - draw.randrange(length)] ^= 1 << draw.randrange(8)
+    return bytes(copy)
+
+
+@pytest.mark.parametrize(("way", "count"), [(flipped_after_its_pages, TRIED[0]["fast"] // 2),
+                                            (None, TRIED[0]["fast"] // 2)], ids=["metadata", "anywhere"])  # fmt: skip
+def test_a_damaged_chunk_is_refused_or_counts_the_same(case, way, count):
+    whole, draw = plan(case, DRAWS, chunk="500"), random.Random(SEED)
+    for number in range(whole.chunks):
+        write_chunk(whole, number)
+    expected = made(whole)
+    path = chunk_path(whole, 1)
+    content = path.read_bytes()
+    refused = 0
+    for number in range(count):
+        path.write_bytes(content)
+        if way is None:
+            draw.choice(BYTES)(path, draw) if number % 4 else draw.choice(PLACES)(path, draw)
+        else:
+            path.write_bytes(way(content, draw))
+        progress(whole)
+        try:
+            assert made(whole) == expected, number
+        except InputError as error:
+            refused += 1
+            assert len(str(error)) <= 300
+        if path.is_dir() and not path.is_symlink():
+            path.rmdir()
+        else:
+            path.unlink(missing_ok=True)
+    assert refused > count // 5
+    path.write_bytes(content.replace(b'"points": 500', b'"points": 501'))
+    with pytest.raises(InputError, match="it counts what is not in its rows"):
+        gather(whole)
 
 
 KILLED = """

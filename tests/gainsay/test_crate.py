@@ -2,6 +2,8 @@
 
 import hashlib
 import json
+import os
+import random
 import shutil
 import sys
 import zipfile
@@ -20,8 +22,21 @@ from gainsay.steps.simulation import simulation
 from gainsay.steps.synthesis import synthesis
 from gainsay.steps.verdicts import verdicts
 from gainsay.tables import read_case
+from tests.gainsay.crate_damage import METADATA, campaign, described
 
-METADATA = "ro-crate-metadata.json"
+#: what docs/robustness.md says of hostile crates
+TRIED = [
+    {
+        "what": "crates",
+        "how": "a file changed as tables are, with its digests forged or not; another value, name or description in "
+        "the metadata; files added; zip files cut, flipped, with entries doubled, renamed or no files",
+        "fast": 40, "slow": 300, "night": 1000,
+        "promise": "refused in one line, found to differ, or clean with the verdicts that it had; nothing of it is "
+        "run, nothing is written outside",
+    }
+]  # fmt: skip
+COUNT = TRIED[0]["night" if os.environ.get("GAINSAY_NIGHT") else "slow"]
+SEED = 20261126
 WHO = ("--responsible", "A. Reader", "--license", "CC-BY-4.0")
 
 
@@ -68,24 +83,6 @@ def verified(crate, capsys, code):
     assert cli.main(["verify", str(crate)]) == code
     said = capsys.readouterr()
     return said.out + said.err
-
-
-def described(crate, file):
-    """Put the digest of a changed file into every description of it, as a forger would."""
-    digest = hashlib.sha256((crate / file).read_bytes()).hexdigest()
-    metadata = json.loads((crate / METADATA).read_text())
-    (entity,) = (entity for entity in metadata["@graph"] if entity["@id"] == file)
-    entity["sha256"] = digest
-    (crate / METADATA).write_text(json.dumps(metadata))
-    for listing in [*crate.glob("results/*/parts/*.files.csv"), *crate.glob("results/report.files.csv")]:
-        folder = crate / "results" if listing.name == "report.files.csv" else listing.parents[1]
-        lines = listing.read_text().splitlines()
-        for number, line in enumerate(lines):
-            if str(folder / line.split(",")[0]) == str(crate / file):
-                lines[number] = ",".join([line.split(",")[0], digest, *line.split(",")[2:]])
-                listing.write_text("\n".join(lines) + "\n")
-                return described(crate, str(listing.relative_to(crate)))
-    return None
 
 
 def test_a_crate_is_clean_where_it_is_and_as_one_file(project, written, tmp_path, capsys):
@@ -275,3 +272,18 @@ def test_without_the_extra_the_extra_is_named(project, tmp_path, monkeypatch):
     with pytest.raises(InputError, match=r"rocrate is not installed: .*gainsay\[crate\]"):
         archive.export([read_case(project, "toy2001")], tmp_path / "new", archive.Responsible("A", "MIT"))
     assert not list(tmp_path.iterdir())
+
+
+def test_some_hostile_crates_are_refused_or_differ_or_say_the_same(written, tmp_path, capsys):
+    outcomes = campaign(written, tmp_path / "tried", TRIED[0]["fast"], random.Random(SEED), capsys)
+    assert outcomes[1] > 10
+    assert outcomes[2] > 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("batch", range(3))
+def test_hostile_crates_are_refused_or_differ_or_say_the_same(written, tmp_path, capsys, batch):
+    outcomes = campaign(written, tmp_path / "tried", COUNT // 3, random.Random(f"{SEED} {batch}"), capsys)
+    print(f"hostile crates, batch {batch}: {dict(outcomes)}")
+    assert outcomes[1] > COUNT // 12
+    assert outcomes[2] > COUNT // 30

@@ -4,7 +4,6 @@ A small project with two papers and results of every sort; files of one are dama
 The seed is part of the test.
 """
 
-import json
 import os
 import random
 import runpy
@@ -33,9 +32,9 @@ from gainsay.tables.files import read_records, write_atomically
 from gainsay.verdicts.plausible import Plausible
 from gainsay.verdicts.record import record_paper
 from gainsay.verdicts.scan import Scan
+from tests.gainsay.table_damage import BYTES, PLACES, TEXTS, in_json
 
 TOY = runpy.run_path(str(Path(__file__).parents[1] / "conftest.py"))["TOY"]
-DAMAGE = runpy.run_path(str(Path(__file__).with_name("test_tables_damage.py")))
 #: what docs/robustness.md says of this campaign
 TRIED = [
     {
@@ -107,34 +106,6 @@ def made(tmp_path_factory):
     return root
 
 
-def some_json(value, draw):
-    """Another value somewhere in JSON."""
-    paths = list(DAMAGE_PLACES(value))
-    path = draw.choice([p for p in paths if p] or paths)
-    new = draw.choice([None, True, -1, 1e308, "", "x" * 400, [], {}, [[]], {"a": 1}, 10**400, "nan", [1, [2]]])
-    target = value
-    for key in path[:-1]:
-        target = target[key]
-    if draw.random() < 0.3:
-        del target[path[-1]]
-    else:
-        target[path[-1]] = new
-
-
-def DAMAGE_PLACES(value, path=()):
-    yield path
-    if isinstance(value, dict | list):
-        for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from DAMAGE_PLACES(inner, (*path, key))
-
-
-def in_json(path, draw):
-    """Another value in a JSON file, which stays JSON."""
-    content = json.loads(path.read_text())
-    some_json(content, draw)
-    path.write_text(json.dumps(content))
-
-
 def damaged(root, draw):
     """Damage one file of the results of `toy`; returns it and what was done."""
     results = root / "results" / "toy"
@@ -142,9 +113,7 @@ def damaged(root, draw):
                                                "logs/*")]  # fmt: skip
     path = draw.choice(draw.choice([found for found in kinds if found]))
     structured = path.suffix == ".json" and draw.random() < 0.6
-    damage = (
-        in_json if structured else draw.choice(draw.choice([DAMAGE["BYTES"], *2 * [DAMAGE["TEXTS"]], DAMAGE["PLACES"]]))
-    )
+    damage = in_json if structured else draw.choice(draw.choice([BYTES, TEXTS, TEXTS, PLACES]))
     damage(path, draw)
     return f"{path.relative_to(root)} after {damage.__name__}"
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from gainsay.campaigns.plan import Block, Plan
 from gainsay.errors import InputError, missing_extra
-from gainsay.tables.files import write_json
+from gainsay.tables.files import open_regular, write_json
 
 #: rows of a row group of the gathered table: what is held in memory at a time
 GROUP = 4096
@@ -130,38 +130,51 @@ def _about(plan: Plan, number: int, points: int, counts: Mapping[str, int]) -> d
 
 
 def about_chunk(path: Path, root: Path) -> dict[str, Any]:
-    """Read what a chunk says of itself.
+    """Read what a chunk says of itself: paper, campaign, digest, chunk, points and counts.
 
     Raises
     ------
     InputError
         If it is no chunk, or cut off.
     """
+    arrow = _arrow()
+    file = str(path.relative_to(root))
     try:
-        metadata = _arrow().parquet.read_metadata(path).metadata or {}
-        return json.loads(metadata[b"gainsay"])
-    except (OSError, KeyError, ValueError) as error:
+        with open_regular(path, root) as opened:
+            about = json.loads((arrow.parquet.read_metadata(opened).metadata or {})[b"gainsay"])
+    except (OSError, KeyError, ValueError, RecursionError, arrow.ArrowException) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError("no whole chunk", file=str(path.relative_to(root)), expected="a chunk of a campaign") from None
+        raise InputError("no whole chunk", file=file, expected="a chunk of a campaign") from None
+    counts = about.get("counts") if isinstance(about, dict) else None
+    if not isinstance(counts, dict) or any(type(number) is not int for number in counts.values()):
+        raise InputError("no whole chunk", file=file, expected="a chunk of a campaign")
+    return about
 
 
-def _rows(plan: Plan, number: int) -> Iterator[Any]:
-    """Yield the rows of a chunk by row group, every page checked.
+def _rows(plan: Plan, number: int, about: Mapping[str, Any]) -> Iterator[Any]:
+    """Yield the rows of a chunk by row group, every page checked, and what it says of itself held against them.
 
     Raises
     ------
     InputError
         If the chunk is damaged: it is removed, so that the next run makes it again.
     """
-    path, arrow = chunk_path(plan, number), _arrow()
-    file = str(path.relative_to(plan.case.root))
+    path, arrow, schema = chunk_path(plan, number), _arrow(), _schema(plan)
+    counted: Counter[str] = Counter()
     try:
         with arrow.parquet.ParquetFile(path, page_checksum_verification=True) as opened:
             for group in range(opened.metadata.num_row_groups):
-                yield opened.read_row_group(group)
-    except OSError as error:
+                rows = opened.read_row_group(group).cast(schema)
+                counted.update(plan.evaluation.count({name: rows[name].to_pylist() for name in schema.names[1:]}))
+                yield rows
+        points = sum(block.size for block in plan.blocks(number))
+        # the checksums are those of pages: what stands after them is held against the rows
+        if (about["counts"], about.get("points")) != (dict(counted), points):
+            raise ValueError("it counts what is not in its rows")
+    except (OSError, ValueError, TypeError, arrow.ArrowException) as error:
         path.unlink(missing_ok=True)
+        file = str(path.relative_to(plan.case.root))
         raise InputError(f"damaged and removed: {error}", file=file, expected="a whole chunk; run again") from None
 
 
@@ -175,7 +188,6 @@ def gather(plan: Plan) -> dict[str, Any]:
     """
     arrow = _arrow()
     total: Counter[str] = Counter()
-    points = 0
     path = folder(plan) / f"{plan.row.name}.parquet"
     with _Writer(path, plan) as file:
         waiting = file.schema.empty_table()
@@ -188,17 +200,14 @@ def gather(plan: Plan) -> dict[str, Any]:
                 raise InputError(
                     "another chunk", file=file_name, value=about, expected=f"chunk {number} of {plan.digest}"
                 )
-            total.update(about["counts"])
-            points += about["points"]
-            for rows in _rows(plan, number):
-                waiting = arrow.concat_tables([waiting, rows.cast(file.schema)]).combine_chunks()
+            for rows in _rows(plan, number, about):
+                waiting = arrow.concat_tables([waiting, rows]).combine_chunks()
                 while len(waiting) >= GROUP:
                     file.write(waiting[:GROUP])
                     waiting = waiting[GROUP:].combine_chunks()
+            total.update(about["counts"])
         if len(waiting):
             file.write(waiting)
-    if points != plan.points:
-        raise InputError(plan.row.name, value=points, expected=f"{plan.points} points in all chunks")
     counts = dict(sorted(total.items()))
     manifest = {
         "format": _FORMAT,
@@ -206,7 +215,7 @@ def gather(plan: Plan) -> dict[str, Any]:
         **{key: getattr(plan.row, key) for key in ("name", "kind", "inputs", "resolution", "seed", "block", "claim")},
         "question": plan.row.question,
         "depends_on": plan.digest,
-        "points": points,
+        "points": plan.points,
         "counts": counts,
         "told": plan.evaluation.told(plan, counts),
         "table": {"file": path.name, "sha256": hashlib.file_digest(path.open("rb"), "sha256").hexdigest()},
@@ -222,9 +231,14 @@ def gathered(plan: Plan, columns: list[str]) -> Iterator[Mapping[str, np.ndarray
         raise InputError(
             "not gathered", file=str(path.relative_to(plan.case.root)), expected="snakemake campaigns first"
         )
-    with _arrow().parquet.ParquetFile(path, page_checksum_verification=True) as opened:
-        for batch in opened.iter_batches(GROUP, columns=columns):
-            yield {name: np.asarray(batch.column(name).to_pylist()) for name in columns}
+    arrow = _arrow()
+    try:
+        with arrow.parquet.ParquetFile(path, page_checksum_verification=True) as opened:
+            for batch in opened.iter_batches(GROUP, columns=columns):
+                yield {name: np.asarray(batch.column(name).to_pylist()) for name in columns}
+    except (OSError, KeyError, arrow.ArrowException) as error:
+        file = str(path.relative_to(plan.case.root))
+        raise InputError(f"damaged: {error}", file=file, expected="a gathered table; gather again") from None
 
 
 def doubts(plan: Plan) -> Iterator[tuple[int, str]]:

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from markupsafe import Markup, escape
 
 from gainsay.errors import InputError
-from gainsay.report.pictures import data_uri
+from gainsay.report.pictures import svg_uri
 from gainsay.tables import Case
-from gainsay.tables.files import read_json
+from gainsay.tables.files import read_json, read_text
 
 __all__ = ["CampaignView", "campaign_views"]
 
@@ -46,8 +46,12 @@ def campaign_views(case: Case) -> tuple[CampaignView, ...]:
         same = ("name", "kind", "inputs", "resolution", "seed", "block")
         if not isinstance(said, dict) or any(said.get(key) != getattr(row, key) for key in same):
             continue
-        answers = tuple(str(text) for text in said.get("told", {}).values() if isinstance(text, str))
+        told = said.get("told")
+        answers = tuple(text for text in told.values() if isinstance(text, str)) if isinstance(told, dict) else ()
         size = f"{said.get('points')} points over {row.inputs.replace('..', ' to ')}"
-        drawn = escape(data_uri(picture)) if picture.is_file() else Markup()
+        try:
+            drawn = escape(svg_uri(read_text(picture, case.root)))
+        except InputError:
+            drawn = Markup()
         found.append(CampaignView(name, row.question, answers, size, drawn))
     return tuple(found)

@@ -4,7 +4,7 @@ import base64
 import re
 from pathlib import Path
 
-__all__ = ["data_uri"]
+__all__ = ["data_uri", "svg_uri"]
 
 #: bytes of an SVG above which its PNG stands in the page where that is smaller
 LARGEST_SVG = 150_000
@@ -14,7 +14,11 @@ def data_uri(svg: Path, png: Path | None = None) -> str:
     """Return a figure as a data URI: the SVG, or its PNG where the SVG is large and the PNG is smaller."""
     if png is not None and png.is_file() and LARGEST_SVG < svg.stat().st_size > 4 / 3 * png.stat().st_size:
         return f"data:image/png;base64,{base64.b64encode(png.read_bytes()).decode('ascii')}"
-    text = svg.read_text(encoding="utf-8")
+    return svg_uri(svg.read_text(encoding="utf-8"))
+
+
+def svg_uri(text: str) -> str:
+    """Return an SVG as a data URI, without what no browser draws."""
     text = re.sub(r"<\?xml[^>]*\?>|<!DOCTYPE[^>]*>|<!--.*?-->|<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r"\s+", " ", text).strip()
     if "'" not in text:  # quotes that need no escape in the page

@@ -10,7 +10,7 @@ import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from gainsay.errors import InputError
@@ -26,6 +26,8 @@ from gainsay.tables.files import Table, csv_text, read_json, read_text
 
 #: bytes of an unpacked crate at most
 LARGEST = 1 << 33
+#: bytes of a name of a file at most, on every common file system
+LONGEST_NAME = 255
 OURS = "a crate written by `gainsay export`"
 
 
@@ -62,7 +64,8 @@ def _entities(folder: Path, crate: Path) -> Mapping[str, Mapping[str, Any]]:
         found = {entity["@id"]: entity for entity in content["@graph"]}  # type: ignore[index]
         conforms = {one["@id"] for one in found["./"]["conformsTo"]}
         contract = found[RESULTS_PROFILE]["version"]
-        if RESULTS_PROFILE not in conforms or not all(isinstance(entity, dict) for entity in found.values()):
+        named = all(isinstance(name, str) and isinstance(entity, dict) for name, entity in found.items())
+        if RESULTS_PROFILE not in conforms or not named:
             raise KeyError(RESULTS_PROFILE)
     except (KeyError, TypeError, AttributeError):
         raise InputError("a foreign crate", file=str(crate), expected=OURS) from None
@@ -76,12 +79,23 @@ def _is_file(entity: Mapping[str, Any]) -> bool:
     return "File" in (kind if isinstance(kind, list) else [kind])
 
 
+def _may_name(name: str) -> bool:
+    """Whether a description may name a file so: inside the crate, and by what a file system takes for a name."""
+    path = PurePosixPath(name)
+    return (
+        not path.is_absolute()
+        and ".." not in path.parts
+        and name.isprintable()
+        and all(len(part.encode()) <= LONGEST_NAME for part in path.parts)
+    )
+
+
 def file_damage(folder: Path, entities: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
     """Yield a line for every file that is not as described, and for every one that is not described."""
     described = {name: entity.get("sha256") for name, entity in entities.items() if _is_file(entity)}
     for name, digest in described.items():
         path = folder / name
-        if ".." in Path(name).parts or Path(name).is_absolute() or path.is_symlink():
+        if not _may_name(name) or path.is_symlink():
             yield f"{name}: no file of the crate"
         elif not path.is_file():
             yield f"{name}: missing"
