@@ -153,7 +153,7 @@ def zeroed(data, draw):
 
 
 def other_coding(data, draw):
-    return data.decode().encode(draw.choice(["utf-16", "utf-8-sig", "utf-32", "utf-7"]))
+    return data.decode(errors="replace").encode(draw.choice(["utf-16", "utf-8-sig", "utf-32", "utf-7"]))
 
 
 def emptied(data, draw):

@@ -32,7 +32,7 @@ TRIED = [
         "what": "chunks of campaigns",
         "how": "bytes as in tables; a bit of what the file says of itself; a link, a pipe, a device, a folder or "
         "nothing in its place",
-        "fast": 60, "slow": 0, "night": 0,
+        "fast": 24, "slow": 0, "night": 0,
         "promise": "refused in one line and made again, or table and manifest the same to the byte",
     }
 ]  # fmt: skip

@@ -30,7 +30,7 @@ TRIED = [
         "what": "crates",
         "how": "a file changed as tables are, with its digests forged or not; another value, name or description in "
         "the metadata; files added; zip files cut, flipped, with entries doubled, renamed or no files",
-        "fast": 40, "slow": 300, "night": 1000,
+        "fast": 20, "slow": 300, "night": 1000,
         "promise": "refused in one line, found to differ, or clean with the verdicts that it had; nothing of it is "
         "run, nothing is written outside",
     }
@@ -276,8 +276,8 @@ def test_without_the_extra_the_extra_is_named(project, tmp_path, monkeypatch):
 
 def test_some_hostile_crates_are_refused_or_differ_or_say_the_same(written, tmp_path, capsys):
     outcomes = campaign(written, tmp_path / "tried", TRIED[0]["fast"], random.Random(SEED), capsys)
-    assert outcomes[1] > 10
-    assert outcomes[2] > 3
+    assert outcomes[1] > 5
+    assert outcomes[2] > 0
 
 
 @pytest.mark.slow
