@@ -40,6 +40,13 @@ def test_primes_follow_their_symbol():
     assert typed("x'X^-1 x") == f"{mathml('x')}\u2032{mathml('X^{-1}')} x"
 
 
+def test_what_stands_in_brackets_is_raised_too():
+    x, s = mathml("x"), mathml("S")
+    assert typed("the inverse (1 + d/I)^-1 of it") == "the inverse (1 + d/I)<sup>\u22121</sup> of it"
+    assert typed("x(0)'S x' and [K, 0]'") == f"x(0)\u2032{s} {x}\u2032 and [{mathml('K')}, 0]\u2032"
+    assert "'" in unescape(str(typed("as in (3)'s proof")))
+
+
 def test_a_name_of_several_letters_is_one_identifier():
     assert mathml(r"\mathrm{share}") == "<math><mrow><mi>share</mi></mrow></math>"  # upright by itself, MathML 3, 3.2.3
 

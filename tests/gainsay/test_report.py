@@ -15,8 +15,8 @@ import pytest
 
 from gainsay.report import read_results, render_paper
 from gainsay.report.claims import verdicts_of
-from gainsay.report.designs import comparison, design_views
-from gainsay.report.page import FOLDER
+from gainsay.report.designs import comparisons, design_views
+from gainsay.report.page import FOLDER, render_index
 from gainsay.report.pictures import data_uri
 from gainsay.report.provenance import provenance_of
 from gainsay.report.published import published_view
@@ -24,6 +24,7 @@ from gainsay.report.wording import condition, reason
 from gainsay.steps.report import main
 from gainsay.tables import find_root, paper_names, read_case
 from gainsay.tables.models import VERDICTS
+from gainsay.tables.sentences import sentences
 
 EXAMPLE = runpy.run_path(str(Path(__file__).with_name("report_example.py")))
 PAPERS = ("toy2001", "bare2002")
@@ -232,7 +233,8 @@ def test_published_numbers_stand_with_their_verdicts(root):
 
 def test_designs_stand_beside_the_printed_one(root):
     (found,) = read(root, ["toy2001"])
-    table = comparison(found)
+    (table,) = comparisons(found)
+    assert table.against == ""
     assert table.designs == ("repaired", "lqr")
     ((cost),) = table.measures
     assert [outcome for _, outcome in cost.others] == ["better", "better"]  # 990000 and 900000 against 1250000, less
@@ -242,6 +244,45 @@ def test_designs_stand_beside_the_printed_one(root):
     assert str(printed.rows[0][0]) == "0.0050"  # the digits of printed/K.csv
     assert 'value="-0.00071"' in str(ours.rows[0][1])  # those of the design's file
     assert (lqr.file, lqr.matrices) == (None, ())
+
+
+def test_a_sentence_is_told_once_by_the_weightiest_of_its_claims():
+    found = verdicts_of(read_results(read_case(find_root(Path(__file__)), "li2021")))
+    against = dataclasses.replace(
+        found, claims=tuple(dataclasses.replace(view, verdict="contradicted") for view in found.claims)
+    )
+    spoken = sentences(view.claim for view in found.claims)
+    assert len(spoken) < len(found.claims)
+    told = [view.claim.id for view in against.weightiest]
+    assert sorted(len({claim.id for claim in together} & {*told}) for together in spoken) == [1] * len(spoken)
+    assert told == [view.claim.id for _, group in against.grouped() for view in group if view.claim.id in told]
+
+
+def test_the_index_links_the_gallery_where_there_is_one(root):
+    papers = read(root, ["toy2001"])
+    assert "gallery.html" not in render_index(root, papers)
+    gallery = root / "results" / "gallery.html"
+    gallery.touch()
+    linked = render_index(root, papers)
+    gallery.unlink()
+    assert 'href="gallery.html"' in linked
+
+
+def test_where_no_design_is_printed_the_others_are_held_against_one_of_ours(root):
+    found = read_results(read_case(find_root(Path(__file__)), "pinheiro2013"))
+    rows = {"a.gamma_2.h2.pitch": "0.75", "a.gamma_0.2.h2.pitch": "1.5", "a.gamma_100.h2.pitch": "0.5"}
+    found.quantities = {name: {"value": value} for name, value in rows.items()}
+    a, b = comparisons(found)
+    assert (a.against, a.designs) == ("a_mixed", ("a_hinf", "a_h2"))
+    assert (b.against, b.designs) == ("b_mixed", ("b_hinf", "b_h2"))
+    (measure,) = (measure for measure in a.measures if measure.own)
+    assert [outcome for _, outcome in measure.others] == ["worse", "better"]  # the less the better
+
+
+def test_a_printed_matrix_of_another_name_stands_beside_ours():
+    views = {view.name: view for view in design_views(read_case(find_root(Path(__file__)), "li2021"))}
+    printed = {name: printed.title for name, printed, _ in views["repaired"].matrices if printed}
+    assert printed == {"A": "Af, as printed", "B": "Bf, as printed", "C": "Cf, as printed"}
 
 
 @pytest.mark.parametrize("paper", paper_names(find_root(Path(__file__))))

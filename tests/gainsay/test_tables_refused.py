@@ -95,6 +95,23 @@ def test_deep_and_long_designs_are_refused(project, text):
     assert str(refused(project).file) == "papers/toy/designs/repaired.json"
 
 
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ('[printed]\nK = "mass"', "'mass'"),  # a number
+        ('[measures]\n"audit.length" = "less nobody repaired=audit.other"', "'nobody'"),
+        ('[measures]\n"audit.length" = "less repaired nobody=audit.other"', "'nobody'"),
+        ('[measures]\n"audit.length" = "less repaired nominal=audit.nothing"', "'audit.nothing'"),
+        ('[measures]\n"audit.length" = "less repaired nominal=run.peak"', "quantities of designs or runs in m"),
+        ('[measures]\n"audit.length" = "less repaired"', "measures"),
+    ],
+)
+def test_a_comparison_of_what_is_not_there_is_refused(project, text, value):
+    path = project.file("paper.toml")
+    path.write_text(path.read_text() + "\n" + text + "\n")
+    assert value in str(refused(project))
+
+
 @pytest.mark.parametrize("length", [101, 300, 100_000])
 @pytest.mark.parametrize(
     ("file", "old"),

@@ -314,8 +314,12 @@ def view(options: argparse.Namespace) -> int:
 def gallery(options: argparse.Namespace) -> int:
     """Render every run without a screen and check that no view is broken or empty."""
     from gainsay.logs.commands import gallery as render_all
+    from gainsay.steps.report import main as report
 
-    return render_all(options.root, options.papers)
+    code = render_all(options.root, options.papers)
+    if (options.root / "results" / "index.html").is_file():  # it links the gallery from now on
+        report([*paper_names(options.root), "--root", str(options.root)])
+    return code
 
 
 def replay(options: argparse.Namespace) -> int:

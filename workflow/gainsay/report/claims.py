@@ -166,8 +166,11 @@ class Verdicts:
 
     @property
     def weightiest(self) -> list[ClaimView]:
-        """What broke, what is contradicted, what hangs on an input: in this order."""
-        return [c for verdict, group in self.grouped() if verdict in AGAINST for c in group]
+        """What broke, what is contradicted, what hangs on an input: in this order, a claim for each sentence."""
+        against = [c for verdict, group in self.grouped() if verdict in AGAINST for c in group]
+        names = {claim.id: together[0].id for together in sentences(c.claim for c in self.claims) for claim in together}
+        first = {names[c.claim.id]: c for c in reversed(against)}
+        return [c for c in against if first[names[c.claim.id]] is c]
 
     @property
     def surprising(self) -> list[ClaimView]:

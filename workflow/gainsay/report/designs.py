@@ -1,4 +1,4 @@
-"""Designs beside the printed one: one table of every measure, and their gains."""
+"""Designs beside the printed one, or beside one of ours where none is printed: every measure, and their gains."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from gainsay.report.numbers import number, typeset
 from gainsay.report.reading import PaperResults, Row
 from gainsay.tables import Case
 from gainsay.tables.designs import Design, DesignFile
-from gainsay.tables.lint import measure_of
+from gainsay.tables.lint import held_against, measure_of
 from gainsay.tables.reading import PrintedMatrix
 
 #: relative difference below which two designs are called alike
@@ -17,14 +17,14 @@ ALIKE = 1e-3
 
 @dataclass(frozen=True)
 class Measure:
-    """A measure of the printed design beside the same one of the others.
+    """A measure of the printed design, or of the one that stands for it, beside the same one of the others.
 
     Attributes
     ----------
     meaning, unit : str
     better : str
         ``less`` or ``more``.
-    printed : Markup
+    own : Markup
     others : tuple of (Markup, str)
         Value, and ``better``, ``worse``, ``alike`` or nothing, for each design of `Comparison.designs`.
     """
@@ -32,14 +32,25 @@ class Measure:
     meaning: str
     unit: str
     better: str
-    printed: Markup
+    own: Markup
     others: tuple[tuple[Markup, str], ...]
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The table of designs: names of the designs measured, and a row a measure."""
+    """A table of designs.
 
+    Attributes
+    ----------
+    against : str
+        The design that the others are held against; empty where it is the printed one.
+    designs : tuple of str
+        Those that are measured.
+    measures : tuple of Measure
+        A row each.
+    """
+
+    against: str
     designs: tuple[str, ...]
     measures: tuple[Measure, ...]
 
@@ -50,26 +61,33 @@ def _outcome(better: str, printed: float, other: float) -> str:
     return "better" if (other < printed) == (better == "less") else "worse"
 
 
-def comparison(found: PaperResults) -> Comparison:
-    """Return every measure that paper.toml names of the printed design, beside each design that has it.
+def comparisons(found: PaperResults) -> tuple[Comparison, ...]:
+    """Return every measure that paper.toml names beside each design that has it, a table for each that is compared.
 
-    The printed design stands in a row even where no other design was measured alike.
+    The design that the others are held against stands in a row even where no other design was measured alike.
     """
+    against = dict.fromkeys(map(held_against, found.case.paper.measures.values()))
+    return tuple(_comparison(found, design) for design in against)
+
+
+def _comparison(found: PaperResults, against: str) -> Comparison:
     rows, case = found.quantities, found.case
     names = [*case.paper.designs, *(run for run in case.paper.runs if run not in case.paper.designs)]
     asked = {
-        printed: {name: quantity for name in names if (quantity := measure_of(case, text, name)) not in ("", printed)}
-        for printed, text in case.paper.measures.items()
+        own: {name: quantity for name in names if (quantity := measure_of(case, text, name)) not in ("", own)}
+        for own, text in case.paper.measures.items()
+        if held_against(text) == against
     }
     measured = [name for name in names if any(name in quantities for quantities in asked.values())]
     measures = []
-    for printed, quantities in asked.items():
-        better = case.paper.measures[printed].partition(" ")[0]
-        own = rows.get(printed)
+    for quantity, quantities in asked.items():
+        better = case.paper.measures[quantity].partition(" ")[0]
+        own = rows.get(quantity)
         others = tuple(_other(own, rows.get(quantities.get(name, "")), better) for name in measured)
         shown = number(own["value"], digits=4) if own else Markup("")
-        measures.append(Measure(case.quantities[printed].meaning, case.quantities[printed].unit, better, shown, others))
-    return Comparison(tuple(measured), tuple(measures))
+        about = case.quantities[quantity]
+        measures.append(Measure(about.meaning, about.unit, better, shown, others))
+    return Comparison(against, tuple(measured), tuple(measures))
 
 
 def _other(own: Row | None, row: Row | None, better: str) -> tuple[Markup, str]:
@@ -127,7 +145,8 @@ def _design_view(case: Case, design: Design, about: str) -> DesignView:
     return DesignView(design.name, about, design.file, effort, tuple(matrices))
 
 
-def _printed(case: Case, name: str, ours: PrintedMatrix) -> MatrixView | None:
+def _printed(case: Case, matrix: str, ours: PrintedMatrix) -> MatrixView | None:
+    name = case.paper.printed.get(matrix, matrix)
     parameter = case.parameters.get(name)
     if parameter is None or parameter.type != "matrix":
         return None

@@ -23,8 +23,9 @@ _TOKEN = re.compile(
   | (?P<relation>(?<=\s)(?:<=|>=|!=|->)(?=\s))
   | (?P<unit>(?:(?<=[\d.\s]\d\s)|(?<=[gmsd]\s)|(?<=[gmsd]/)|(?<=m\^\d/)|\bkg(?=\^))(?:m|s)?)
     \^(?P<power>-?\d(?:\.\d)?)(?![\w.]\d)
+  | (?<=[)\]])(?:\^(?P<raised>-?[\dA-Z])(?!\w)|(?P<mark>'{{1,2}})(?![a-z]))  # what stands in brackets, transposed
   | \b(?:(?P<table>printed|number)|design)\('(?P<first>\w+)'(?:,\ '(?P<second>\w+)')?\)
-  | (?<![\w."`\\])(?<!(?<![\d)'])/)(?<!\w-)(?<!(?<!\w)')(?:  # no part of a name, a path or what stands in quotes
+  | (?<![\w."`\\])(?<!(?<![\d)'])/)(?<!\w-)(?<!(?<![\w)\]])')(?:  # no part of a name, a path or what stands in quotes
         (?P<base>(?:{_GREEK})(?=[\d_^'~]|\b)|[A-Za-z](?=[\d_^'~]|\b)|(?<=[-+]\s)[A-Z]{{2}}\b)
         (?P<index>\d{{1,3}}|_(?:max|min|ii|ij|i?\d{{1,3}}|[A-Za-z]|∞))?
         (?P<over>-?(?:hat|bar)\b|~)?
@@ -79,6 +80,10 @@ def _shown(found: re.Match[str]) -> Markup:
     if found["unit"]:
         power = found["power"].replace("-", "\N{MINUS SIGN}")
         return Markup("{}<sup>{}</sup>").format(found["unit"], power)
+    if found["raised"]:
+        return Markup("<sup>{}</sup>").format(found["raised"].replace("-", "\N{MINUS SIGN}"))
+    if found["mark"]:
+        return Markup("\N{PRIME}" * len(found["mark"]))
     if not _is_symbol(found):
         return escape(found[0])
     # a prime of MathML stands too high in most fonts: it follows as text

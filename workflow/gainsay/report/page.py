@@ -15,7 +15,7 @@ from markupsafe import Markup, escape
 from gainsay import __version__
 from gainsay.report.campaigns import CampaignView, campaign_views
 from gainsay.report.claims import AGAINST, NONE_YET, ORDER, QuantityView, Verdicts, quantity_view, verdicts_of
-from gainsay.report.designs import Comparison, DesignView, comparison, design_views
+from gainsay.report.designs import Comparison, DesignView, comparisons, design_views
 from gainsay.report.numbers import typeset, unit
 from gainsay.report.pictures import data_uri
 from gainsay.report.provenance import Provenance, provenance_of, provenance_over
@@ -42,7 +42,7 @@ class PaperPage:
     verdicts: Verdicts
     published: PublishedView
     quantities: tuple[QuantityView, ...]
-    comparison: Comparison
+    comparisons: tuple[Comparison, ...]
     designs: tuple[DesignView, ...]
 
     @property
@@ -127,7 +127,7 @@ def paper_page(found: PaperResults) -> PaperPage:
         verdicts=verdicts_of(found),
         published=published_view(found),
         quantities=tuple(quantity_view(found, quantity) for quantity in found.case.quantities),
-        comparison=comparison(found),
+        comparisons=comparisons(found),
         designs=design_views(found.case),
     )
 
@@ -190,6 +190,7 @@ def render_index(root: Path, papers: Sequence[PaperResults]) -> str:
             differences=differences,
             record=record_sentence(differences),
             provenance_of_all=provenance_over(root, papers),
+            gallery=(root / "results" / "gallery.html").is_file(),
         )
     )
 

@@ -270,6 +270,10 @@ def lint(case: Case) -> None:
                 value=declared.unit,
                 expected=f"{to_si(declared.unit)[0]}, since what is computed is in SI",
             )
+    matrices = [name for name, parameter in case.parameters.items() if parameter.type == "matrix"]
+    for printed in case.paper.printed.values():
+        faults = [("printed", printed, one_of(printed, matrices))] if printed not in matrices else []
+        _refuse_first(faults, f"papers/{case.name}/paper.toml", None)
     for measured, text in case.paper.measures.items():
         _refuse_first(_measure_faults(case, measured, text), f"papers/{case.name}/paper.toml", None)
     for row, claim in enumerate(case.claims.values(), start=_ROW_OF_FIRST):
@@ -312,7 +316,16 @@ def _measure_faults(case: Case, quantity: str, text: str) -> Iterator[tuple[str,
     if quantity not in case.quantities:
         yield "measures", quantity, "a quantity declared in quantities.csv"
         return
-    named = [measure_of(case, text, name) for name in (*case.paper.designs, *case.paper.runs)]
+    designs = (*case.paper.designs, *case.paper.runs)
+    for design in [held_against(text), *(word.partition("=")[0] for word in text.split() if "=" in word)]:
+        if design and design not in designs:
+            yield "measures", design, one_of(design, designs)
+            return
+    named = [measure_of(case, text, name) for name in designs]
+    for name in filter(None, named):
+        if name not in case.quantities:
+            yield "measures", name, "a quantity declared in quantities.csv"
+            return
     units = {case.quantities[name].unit for name in named if name and name != quantity}
     if units != {case.quantities[quantity].unit}:
         yield "measures", text, f"quantities of designs or runs in {case.quantities[quantity].unit}"
@@ -323,9 +336,18 @@ def measure_of(case: Case, text: str, design: str) -> str:
 
     A design ``point_1`` is looked for as ``point.1`` too.
     """
-    _, *patterns = text.split()
-    names = (pattern.replace("{}", name) for pattern in patterns for name in (design, design.replace("_", ".")))
-    return next((name for name in names if name in case.quantities), "")
+    _, *words = text.split()
+    names = {name: quantity for name, equals, quantity in (word.partition("=") for word in words) if equals}
+    if names:
+        return names.get(design, "")
+    found = (word.replace("{}", name) for word in words for name in (design, design.replace("_", ".")))
+    return next((name for name in found if name in case.quantities), "")
+
+
+def held_against(text: str) -> str:
+    """Return the design that the others of a measure are held against; empty where it is the printed one."""
+    first = text.split()[1]
+    return "" if "{}" in first else first
 
 
 def _refuse_first(faults: Iterable[tuple[str, object, str]], file: str, row: int | None) -> None:

@@ -278,12 +278,24 @@ class PaperFile(BaseModel):
     designs: dict[Slug, Filled] = Field(default={}, description="designs that synthesis makes: name and what it is")
     runs: dict[Slug, Filled] = Field(description="simulated runs: name and what is simulated")
     figures: dict[Slug, Filled] = Field(description="figures: name and caption")
+    printed: dict[Name, Name] = Field(
+        default={},
+        description="matrix of a design to the printed one that it stands for, where that has another name",
+    )
     measures: dict[
-        QuantityId, Annotated[str, StringConstraints(pattern=r"^(less|more)( [a-z0-9_.]*\{\}[a-z0-9_.]*)+$")]
+        QuantityId,
+        Annotated[
+            str,
+            StringConstraints(
+                pattern=r"^(less|more)(( [a-z0-9_.]*\{\}[a-z0-9_.]*)+| [a-z0-9_]+( [a-z0-9_]+=[a-z0-9_.]+)+)$"
+            ),
+        ],
     ] = Field(
         default={},
         description="table of designs: quantity of the printed design, then which is better, `less` or `more`, and "
-        "the quantity of another design or run, `{}` for its name; where several are given, the first that there is",
+        "the quantity of another design or run, `{}` for its name; where several are given, the first that there is. "
+        "Where the paper prints no design: quantity of one of ours, `less` or `more`, its name, and `design=quantity` "
+        "for each that it is held against",
     )
 
 
