@@ -168,3 +168,14 @@ def test_two_projects_in_one_process_keep_their_own_papers(project, tmp_path, mo
         (root / "papers/toy/audit.py").write_text(f"TASKS = ('{name}',)\n")
         cases.append(read_case(root, "toy"))
     assert [paper_module(case, "audit").TASKS for case in (*cases, cases[0])] == [("one",), ("two",), ("one",)]
+
+
+@pytest.mark.parametrize("command", ["lint", "check", "record", "status", "export"])
+@pytest.mark.parametrize("name", ["\x1b[31mred", "a\nb", "\ud800", "\u202e", "x" * 5000])
+def test_no_command_says_a_name_as_a_terminal_would_obey_it(project, capsys, command, name):
+    more = ["new", name, "--responsible", "A", "--license", "MIT"] if command == "export" else [name]
+    assert cli.main(["--root", str(project.root), command, *more]) in (1, 2)
+    said = capsys.readouterr()
+    lines = (said.out + said.err).splitlines()
+    assert all(line.isprintable() and len(line) <= 320 for line in lines)
+    assert len(lines) == 1

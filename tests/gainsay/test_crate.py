@@ -40,7 +40,7 @@ SEED = 20261126
 WHO = ("--responsible", "A. Reader", "--license", "CC-BY-4.0")
 
 
-def _views(path, layout):
+def _views(path, layout, log):
     """Views without the viewer, whose start takes seconds."""
     made = [path.with_suffix(".rrd"), path.with_suffix(".foxglove.json")]
     for file in made:

@@ -176,6 +176,9 @@ def test_an_unknown_paper_and_a_folder_outside_any_project(project, tmp_path):
     for name in ("../papers/toy", "", "a;touch x;b", "$(id)", "two words", "-h", "q'uote", "Toy", "t" * 61, "ünï"):
         with pytest.raises(InputError, match=r"name of a paper.*lower-case letters"):
             read_case(project.root, name)
+    for name, why in (("class", "keyword of Python"), ("import", "keyword of Python"), ("report", "target of the")):
+        with pytest.raises(InputError, match=why):
+            read_case(project.root, name)
     assert find_root(project.root / "papers" / "toy") == project.root
     with pytest.raises(InputError, match="not inside a project"):
         find_root(tmp_path)

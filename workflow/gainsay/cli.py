@@ -117,7 +117,7 @@ def new(options: argparse.Namespace) -> int:
         folder = new_paper(options.root, options.id)
     else:
         folder = new_project(options.project.resolve(), options.id)
-    print(f"{folder}: a worked example; next: gainsay lint, snakemake --cores 2, gainsay check")
+    print(f"{one_line(str(folder))}: a worked example; next: gainsay lint, snakemake --cores 2, gainsay check")
     if find_spec("snakemake") is None:
         print(f"snakemake is not installed here: it comes with {missing_extra('snakemake')}")
     return CLEAN
@@ -129,7 +129,7 @@ def export(options: argparse.Namespace) -> int:
 
     responsible = Responsible(options.responsible, options.license, options.id)
     cases = [read_case(options.root, paper) for paper in dict.fromkeys(_papers(options.root, options.papers))]
-    print(export(cases, options.crate.resolve(), responsible))
+    print(one_line(export(cases, options.crate.resolve(), responsible)))
     return CLEAN
 
 
@@ -157,7 +157,7 @@ def record(options: argparse.Namespace) -> int:
         except (ComputationError, InputError) as error:  # the other papers are put on record all the same
             lines, refused = [str(error)], True
         for line in lines:
-            print(f"{paper}  {line}")
+            print(f"{one_line(paper, LONGEST)}  {line}")
     return DIFFERENCES if refused else CLEAN
 
 

@@ -210,6 +210,8 @@ def _robustness(tests: Path) -> str:
     limits = [
         f"- A refusal of input is one line of at most {LONGEST} characters, with nothing that a terminal would obey.",
         f"- A table, a scan or a design is a regular file of at most {LARGEST} bytes; nothing else is opened.",
+        "- An `.rrd` is never the same twice: it is held against the digest that its step left, not against the "
+        "log that it was drawn from; numbers and figures are taken from the `.mcap` alone.",
         "- A command ends with exit code 2 and one line where it cannot write: a full disk, a folder that is none.",
     ]
     for path in sorted(tests.glob("*/test_*.py")):

@@ -1,5 +1,6 @@
 """The papers of a project, and the tables of one read whole."""
 
+import keyword
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -55,13 +56,16 @@ def checked_name(name: str) -> str:
     Raises
     ------
     InputError
-        If it is anything but lower-case letters, digits and underscores, beginning with a letter.
+        If it is anything but lower-case letters, digits and underscores, beginning with a letter, or has another
+        meaning for the workflow or for Python.
     """
     if _NAME.fullmatch(name) is None or len(name) > _LONGEST_NAME:
         expected = f"up to {_LONGEST_NAME} lower-case letters, digits and underscores, a letter first"
         raise InputError("name of a paper", value=name[:_LONGEST_NAME], expected=expected)
     if name in _RESERVED:
         raise InputError("name of a paper", value=name, expected="a name that is no target of the workflow")
+    if keyword.iskeyword(name):
+        raise InputError("name of a paper", value=name, expected="no keyword of Python, since it names a module")
     return name
 
 
