@@ -175,6 +175,7 @@ def test_a_finite_list_of_readings_is_gone_through_one_by_one():
     assert [tuple(row) for row in found["points"]] == [(w, o) for w in ("small", "large") for o in (1.0, 2.0, 4.0)]
     said = outcome(claim("at_most", "2"), found)  # by hand: 1, 2 of the small ones and 2 of the large ones
     assert (said.holding, said.samples, said.evidence) == (3, 6, "sampled 6 of 6 readings")
+    assert scanned(lambda p: p["other"], claim("at_most", "2"), inputs=(other,)).to_json()["closer"]["values"] == []
     assert said.note.startswith("holds at 3 of 6 readings")
     with pytest.raises(InputError, match="a list of values"):
         readings([WORD, X])
@@ -193,8 +194,8 @@ def test_the_few_that_decide_otherwise_are_looked_at_closer():
     assert (said.closer, said.closer_holding) == (64, sum(value >= 0.07 for value in around))
     assert f"closer to the few that differ at {said.closer_holding} of 64" in said.note
     assert 0 < said.closer_holding < 64
-    # where many decide either way, or all one way, there is nothing to look closer at
-    for published in ("5", "-1"):
+    # where many decide either way, or all one way, there is nothing to look closer at; nor under a milder reading alone
+    for published in ("5", "-1", "0.07..5"):
         assert (
             scanned(lambda p: p["x"], claim("at_least", published), inputs=(X, Y)).to_json()["closer"]["values"] == []
         )

@@ -171,9 +171,9 @@ def scan(
         if claim.quantity == quantity and claim.comparator in NUMERIC:
             for one in criteria(claim):
                 crossings += _crossing(inputs, found, values_at, one.holds, admissible, width, parts)
-                if not closer:
-                    around = _around_the_few(inputs, found, one.holds, seed, admissible)
-                    closer = list(zip(values_at(around), around, strict=True))
+            if not closer:  # under the strictest reading, by which samples are counted
+                around = _around_the_few(inputs, found, criteria(claim)[0].holds, seed, admissible)
+                closer = list(zip(values_at(around), around, strict=True))
     return Scan(quantity, tuple(inputs), seed, tuple(found), tuple(crossings), tuple(bears_out), tuple(closer))
 
 
@@ -189,7 +189,7 @@ def _around_the_few(
     for value, point in found:
         sides[holds(value)].append(point)
     few, others = sorted(sides, key=len)
-    if not 0 < len(few) < FEW:
+    if not 0 < len(few) < FEW or all(one.values for one in inputs):  # a list of readings has nothing between them
         return []
     near: dict[int, Point] = {}
     for i, j in nearest(inputs, few, others):
