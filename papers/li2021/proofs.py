@@ -50,7 +50,7 @@ def input_bound(case: Any) -> Stated:
     The rows of the angles are left out: S and N enter those with one sign alone, so that no proof gives them weight.
     """
     scalars = {name: f"number('{name}')" for name in ("u_max", "theta", "eps3")}
-    eq19 = EQ19.defining(scalars, Cf="printed('Cf')", dm=TABLES["dm"])
+    eq19 = EQ19.defining({"Cf": "printed('Cf')", "dm": TABLES["dm"], **scalars})
     eq15 = EQ15.sub("1a", "1b", "2").defining(TABLES)
     rate = "col(zeros(3, 3), eye(3))"
 
