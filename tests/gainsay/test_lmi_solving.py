@@ -54,6 +54,17 @@ B, C = np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])
 PEAK = 1 / (2 * ZETA * np.sqrt(1 - ZETA**2))
 
 
+@pytest.mark.parametrize("margin", [1e-4, 1e-3])
+def test_multipliers_keep_the_margin_that_was_asked_for(margin):
+    """[[x, 1], [1, x]] >= 0 asks x >= 1; its multipliers at the optimum have rank one, and their bound is exact."""
+    x = scalar("x")
+    f = BlockMatrix("F", "one", "two")
+    f["one", "one"], f["one", "two"], f["two", "two"] = x, np.eye(1), x
+    found = infimum(Program(minimise=x, subject_to=[f > 0]), margins=(margin,))
+    assert found.lower <= 1 <= found.upper
+    assert np.linalg.eigvalsh(found.multipliers["F"])[0] > margin / 10
+
+
 @pytest.mark.parametrize("units", [None, [1e4, 1e-3], [1e-6, 1e5]])
 def test_infimum_encloses_the_closed_form_in_any_units(units):
     found = infimum(_bounded_real(A, B, C, units))

@@ -1,6 +1,7 @@
 """The outcome of the solver chooses the proof: one call gives certificate, quantity, ends and method."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,8 @@ from gainsay.statements.program import Stated
 
 __all__ = ["above", "below", "enclose", "prove"]
 
-# margin of multipliers that are to survive rounding
-_WIDE = (1e-7,)
+# margins of multipliers that are to survive rounding, tried in turn: a narrow one loses less of the bound
+_INSIDE = ((1e-9, 1e-8, 1e-7), (1e-7,))
 
 
 def prove(
@@ -153,12 +154,15 @@ def below(
 
     try:
         return made(multipliers)
-    except CertificateError:
-        # others further inside their cones, which lose a little of the bound and survive rounding
-        wider = infimum(stated.program(), margins=_WIDE)
-        if not isinstance(wider, Infimum) or not wider.multipliers:
-            raise
-        return made(wider.multipliers)
+    except CertificateError as error:
+        refused = error
+    # others further inside their cones, which lose a little of the bound and survive rounding
+    for margins in _INSIDE:
+        inside = infimum(stated.program(), margins=margins)
+        if isinstance(inside, Infimum) and inside.multipliers:
+            with suppress(CertificateError):
+                return made(inside.multipliers)
+    raise refused
 
 
 def enclose(
