@@ -4,7 +4,9 @@ Multipliers of ``A'P + P A < 0, P > 0`` live on the unstable invariant subspace 
 them is exact. The proof here is another. Let H satisfy ``A'H + H A < 0`` without being positive. If P were a solution,
 so would H + t P be for t >= 0; where it first is singular, with kernel x, ``x'(A'(H + t P) + (H + t P) A) x = 0``: a
 contradiction (of Stein's ``H - A'H A > 0``: the form at x is at most zero). H is rounded, the inequality proved for it
-and for every A within rounding.
+and for every A within rounding. It speaks of the inequality of a matrix: sums such as a_11 + a_22 in the coefficients
+are rounded, and coefficients off by that are taken as those of A, although they alone may leave points of a condition
+number of 1e16.
 
 Reference: A. Ostrowski, H. Schneider, "Some theorems on the inertia of general matrices", J. Math. Anal. Appl. 4
 (1962) 72-84.
@@ -234,5 +236,5 @@ def _told(program: Program, row: Row, T: np.ndarray, positive: Row, A: np.ndarra
         break
     total = sum(float(np.trace(m)) for m in multipliers.values() if m.ndim == 2)
     label = row.constraint.label
-    reason = f"{kind} inequality {label!r} of an unstable matrix, proved by a matrix of the wrong inertia"
+    reason = f"{kind} inequality {label!r} of an unstable matrix (its sums rounded), by a matrix of the wrong inertia"
     return Farkas({name: m / total for name, m in multipliers.items()}, 0.0, float("nan"), reason)

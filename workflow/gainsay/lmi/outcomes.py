@@ -84,7 +84,11 @@ class Solved:
 
 @dataclass(frozen=True)
 class Infeasible(_NotFound):
-    """No point, proved: by multipliers that exist exactly, or by what `reason` in `farkas` says."""
+    """No point, proved: by multipliers that exist exactly, or by what `reason` in `farkas` says.
+
+    All coefficients are taken as exact numbers, but for Lyapunov and Stein inequalities of one matrix, whose rounded
+    sums are taken as what they round (the reason says so).
+    """
 
     farkas: Farkas
     attempts: tuple[dict, ...]
