@@ -15,6 +15,7 @@ from gainsay.lmi import (
     Scale,
     Solved,
     Undecided,
+    affine,
     backends,
     equal,
     find_point,
@@ -239,3 +240,19 @@ def test_multipliers_prove_the_lower_bound_on_their_own():
 def test_stating_programs_imports_no_solver():
     code = "import sys, gainsay.lmi; sys.exit(any(m in sys.modules for m in ('cvxpy', 'clarabel', 'scipy')))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_rounding_left_in_a_coefficient_asks_for_no_scale(seed):
+    """D, G scaling of a complex matrix written in reals: where the products should be zero they leave 1e-17."""
+    rng = np.random.default_rng(seed)
+    a, b = rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3))
+    whole = np.outer(a, b) / np.linalg.norm(a) / np.linalg.norm(b)
+    m = np.block([[whole.real, -whole.imag], [whole.imag, whole.real]])
+    j = np.block([[np.zeros((3, 3)), -np.eye(3)], [np.eye(3), np.zeros((3, 3))]])
+    places = [np.diag([float(i % 3 == k) for i in range(6)]) for k in range(3)]
+    d = sum((scalar(f"d{k}") * place for k, place in enumerate(places)), affine(np.zeros((6, 6))))
+    g = sum((scalar(f"g{k}") * place for k, place in enumerate(places)), affine(np.zeros((6, 6))))
+    # d = 1, g = 0 is a point: the norm of m is 1
+    program = Program(subject_to=[(1.1**2 * d - m.T @ d @ m - sym(j @ g @ m) > 0).named("F")])
+    assert isinstance(solve(program), Solved)

@@ -6,7 +6,7 @@ has to be part of the program.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,8 @@ from gainsay.lmi.rounding import power_of_two
 
 # a coefficient of a proof and its inverse are below this: products of two are far from the ends of double precision
 _FARTHEST = 2.0**450
+# scaled size at which a coefficient is taken for the rounding of zero
+_ROUNDING = 1e-11
 
 
 @dataclass(frozen=True)
@@ -180,6 +182,28 @@ def _stated(variable: Variable, typical: Any) -> np.ndarray:
 
 
 def _fit(program: Program, known: dict, known_rows: list | None, objective: float = 0.0) -> Scaling:
+    """Scaling in which coefficients come near one, but for those that it leaves at the size of rounding.
+
+    A coefficient of 1e-17 that should be zero asks for a scale that nothing else in the program asks for.
+    """
+    found = _fitted(program, program.rows, known, known_rows, objective)
+    if known_rows is not None and len(known) == len(program.variables):
+        return found
+    scaled = apply(program, found)
+    rows = [
+        replace(row, constant=_cleared(row.constant, constant), tensor=_cleared(row.tensor, tensor))
+        for row, constant, tensor in zip(program.rows, scaled.constants, scaled.tensors, strict=True)
+    ]
+    if all((new.tensor == row.tensor).all() for new, row in zip(rows, program.rows, strict=True)):
+        return found
+    return _fitted(program, rows, known, known_rows, objective)
+
+
+def _cleared(given: np.ndarray, scaled: np.ndarray) -> np.ndarray:
+    return np.where(np.abs(scaled) > _ROUNDING, given, 0.0)
+
+
+def _fitted(program: Program, given: Sequence[Any], known: dict, known_rows: list | None, objective: float) -> Scaling:
     designs = {v: _parameters(v) for v in program.variables}
     starts, total = {}, 0
     for variable, design in designs.items():
@@ -199,7 +223,7 @@ def _fit(program: Program, known: dict, known_rows: list | None, objective: floa
     if known_rows is not None:
         fixed[total:] = np.concatenate(known_rows)
     normal, right = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
-    for row, start in zip(program.rows, row_starts, strict=True):
+    for row, start in zip(given, row_starts, strict=True):
         own, logs = _equations(row, start, parameter, unknowns)
         normal += own
         right -= logs
