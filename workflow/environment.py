@@ -14,8 +14,14 @@ ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".venv"
 OLDEST, NEWEST = (3, 11), (3, 13)
 #: what pip and uv say where there is no network
-UNREACHED = ("NewConnectionError", "NameResolutionError", "ConnectTimeoutError", "dns error", "client error (Connect)",
-             "tcp connect error")  # fmt: skip
+UNREACHED = (
+    "NewConnectionError",
+    "NameResolutionError",
+    "ConnectTimeoutError",
+    "dns error",
+    "client error (Connect)",
+    "tcp connect error",
+)
 LONGEST = 200  # characters shown of what a command said
 
 

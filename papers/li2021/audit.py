@@ -18,12 +18,12 @@ from gainsay.systems.regions import Disk, HalfPlane
 from gainsay.tables import Case
 from gainsay.verdicts.scan import plausible, scan
 from papers.li2021 import derivations_identities as identities
-from papers.li2021 import plant, response
+from papers.li2021 import plant
+from papers.li2021.audit_draws import random_gains
 from papers.li2021.plant import Gains
 from papers.li2021.proofs_full_model import FLEXIBLE, torque_over_inputs
 from papers.li2021.proofs_lemma3 import disk_of_lemma_3
 from papers.li2021.proofs_requirements import COMPARISON, PRINTED
-from papers.li2021.response import FlexibleLoop
 from papers.li2021.statements import PLANT
 
 FORMULAS = {"proposed": PRINTED, "comparison": COMPARISON}
@@ -32,9 +32,6 @@ LOOP = (
     ("Bcl", "col(B, zeros(6, 3))"),
     ("Ccl", "row(C, zeros(3, 6))"),
 )
-#: draws of a whole simulation behind Figures 8 and 9, by how the gains are held
-SIMULATED = {"constant": 150, "fast": 20, "slow": 40}
-WINDOW = 100.0
 MU_EARTH = Fraction("3.986004418e14")
 
 
@@ -87,10 +84,22 @@ def orbit(case: Case, results: Results) -> None:
         periods = 2 * arb.pi() * (hull(*case.rounded("orbit_radius")) ** 3 / ball(MU_EARTH)).sqrt()
     period = 2 * np.pi * np.sqrt(case.number("orbit_radius") ** 3 / float(MU_EARTH))
     results.enclosed("audit.orbital_rate", lower(rate), upper(rate), method="2 pi / 24 h", source="Section IV")
-    results.enclosed("audit.orbit_radius", lower(radius), upper(radius), source="Section IV",
-                     method="Kepler's third law, mu = 3.986004418e14 m^3/s^2")  # fmt: skip
-    results.enclosed("audit.orbit_period", lower(periods), upper(periods), value=period, digits=True,
-                     source="Section IV", method="Kepler's third law, mu = 3.986004418e14 m^3/s^2")  # fmt: skip
+    results.enclosed(
+        "audit.orbit_radius",
+        lower(radius),
+        upper(radius),
+        source="Section IV",
+        method="Kepler's third law, mu = 3.986004418e14 m^3/s^2",
+    )
+    results.enclosed(
+        "audit.orbit_period",
+        lower(periods),
+        upper(periods),
+        value=period,
+        digits=True,
+        source="Section IV",
+        method="Kepler's third law, mu = 3.986004418e14 m^3/s^2",
+    )
     results.say("Section IV, orbit", f"radius of 42241 km: period {period / 3600:.4f} h")
 
 
@@ -108,17 +117,31 @@ def open_loop(case: Case, results: Results) -> None:
     A, exact = plant.rigid(plant.constants(case)).A, plant.rigid(plant.exact_constants(case)).A
     values = np.linalg.eigvals(A)
     for name, of in (("abscissa", lambda s: s.real), ("largest", abs)):
-        results.quantity(f"audit.open_loop.{name}", **plant.enclosed_poles(exact, of), source="Figure 3",
-                         method="eigenvalues of A0 in balls")  # fmt: skip
-    results.quantity("audit.open_loop.right_half_plane", int(np.sum(values.real > 1e-9)),
-                     method="eigenvalues of A0 with a real part above 1e-9 1/s", source="Figure 3")  # fmt: skip
+        results.quantity(
+            f"audit.open_loop.{name}",
+            **plant.enclosed_poles(exact, of),
+            source="Figure 3",
+            method="eigenvalues of A0 in balls",
+        )
+    results.quantity(
+        "audit.open_loop.right_half_plane",
+        int(np.sum(values.real > 1e-9)),
+        method="eigenvalues of A0 with a real part above 1e-9 1/s",
+        source="Figure 3",
+    )
     P, z = unstable_witness(A)
-    results.certificate(build.certificate(
-        "unstable", id="open-loop-unstable", paper=case.name, tables=case,
-        statement="A0 has an eigenvalue in the open right half plane.", definitions=PLANT,
-        fields={"matrix": "A0", "alpha": "1e-6"}, witness={"P": P, "z": z},
-        quantities={"abscissa": "audit.open_loop.abscissa", "stable": "audit.open_loop.stable"},
-    ))  # fmt: skip
+    results.certificate(
+        build.certificate(
+            "unstable",
+            id="open-loop-unstable",
+            tables=case,
+            statement="A0 has an eigenvalue in the open right half plane.",
+            definitions=PLANT,
+            fields={"matrix": "A0", "alpha": "1e-6"},
+            witness={"P": P, "z": z},
+            quantities={"abscissa": "audit.open_loop.abscissa", "stable": "audit.open_loop.stable"},
+        )
+    )
     results.quantity(
         "audit.open_loop.stable", 0, method="Lyapunov's inequality with an indefinite P", source="Figure 3"
     )
@@ -139,21 +162,28 @@ def certify_nominal(case: Case, results: Results, name: str, norm: float, reach:
     disk = disk_of(case)
     definitions = (*PLANT, *FORMULAS[name], *LOOP)
     tight = Disk(disk.centre, float(f"{reach + 2e-4:.4f}"))
-    certificate = partial(build.certificate, paper=case.name, tables=case, definitions=definitions)
-    results.certificate(certificate(
-        "stein", id=f"{name}-disk",
-        statement=f"The poles of (10) with the printed {name} gains lie in D({disk.centre}, {tight.radius}).",
-        fields={"matrix": "Acl", "shift": "number('disk_centre')", "radius": str(tight.radius)},
-        witness={"P": tight.lyapunov_matrix(A)}, quantities={"radius": f"audit.{name}.disk_radius"},
-    ))  # fmt: skip
+    certificate = partial(build.certificate, tables=case, definitions=definitions)
+    results.certificate(
+        certificate(
+            "stein",
+            id=f"{name}-disk",
+            statement=f"The poles of (10) with the printed {name} gains lie in D({disk.centre}, {tight.radius}).",
+            fields={"matrix": "Acl", "shift": "number('disk_centre')", "radius": str(tight.radius)},
+            witness={"P": tight.lyapunov_matrix(A)},
+            quantities={"radius": f"audit.{name}.disk_radius"},
+        )
+    )
     gamma = float(f"{norm * (1 + 2e-5):.6g}")
-    results.certificate(certificate(
-        "bounded_real", id=f"{name}-norm",
-        statement=f"The norm from d~ to y of (10) with the printed {name} gains is below {gamma}.",
-        fields={"A": "Acl", "B": "Bcl", "C": "Ccl", "gamma": f"{gamma}"},
-        witness={"P": bounded_real_certificate_matrix(A, B, C, None, gamma)},
-        quantities={"norm": f"audit.{name}.hinf"},
-    ))  # fmt: skip
+    results.certificate(
+        certificate(
+            "bounded_real",
+            id=f"{name}-norm",
+            statement=f"The norm from d~ to y of (10) with the printed {name} gains is below {gamma}.",
+            fields={"A": "Acl", "B": "Bcl", "C": "Ccl", "gamma": f"{gamma}"},
+            witness={"P": bounded_real_certificate_matrix(A, B, C, None, gamma)},
+            quantities={"norm": f"audit.{name}.hinf"},
+        )
+    )
 
 
 @task("(6) with (8)")
@@ -161,34 +191,50 @@ def flexible_loop(case: Case, results: Results) -> None:
     """The full model under the proposed gains: stable, but its modes lie outside the disk; both proved."""
     loop = plant.closed_loop(plant.flexible(plant.constants(case)), plant.controller(case, "proposed"))
     definitions = (*PLANT, *PRINTED, *FLEXIBLE)
-    certificate = partial(build.certificate, paper=case.name, tables=case, definitions=definitions)
+    certificate = partial(build.certificate, tables=case, definitions=definitions)
     alpha, radius = -0.006, 1.2
-    results.certificate(certificate(
-        "lyapunov", id="flexible-stable",
-        statement=f"Every pole of (6) with the printed proposed gains has a real part below {alpha}.",
-        fields={"matrix": "loop", "alpha": str(alpha)}, witness={"P": HalfPlane(alpha).lyapunov_matrix(loop)},
-        quantities={"abscissa": "audit.proposed.flexible_abscissa"},
-    ))  # fmt: skip
+    results.certificate(
+        certificate(
+            "lyapunov",
+            id="flexible-stable",
+            statement=f"Every pole of (6) with the printed proposed gains has a real part below {alpha}.",
+            fields={"matrix": "loop", "alpha": str(alpha)},
+            witness={"P": HalfPlane(alpha).lyapunov_matrix(loop)},
+            quantities={"abscissa": "audit.proposed.flexible_abscissa"},
+        )
+    )
     moved = (loop + case.number("disk_centre") * np.eye(20)) / radius
     P = solve_discrete_lyapunov(moved.T, np.eye(20))
     P = (P + P.T) / 2
-    results.certificate(certificate(
-        "unstable", id="flexible-outside-disk",
-        statement=f"(6) with the printed proposed gains has a pole outside D({case.number('disk_centre')}, {radius}).",
-        fields={"matrix": "loop", "shift": "number('disk_centre')", "radius": str(radius)},
-        witness={"P": P, "z": np.linalg.eigh(P)[1][:, 0]},
-        quantities={"radius": "audit.proposed.flexible_disk_radius"},
-    ))  # fmt: skip
+    results.certificate(
+        certificate(
+            "unstable",
+            id="flexible-outside-disk",
+            statement=f"(6) with the printed proposed gains has a pole outside "
+            f"D({case.number('disk_centre')}, {radius}).",
+            fields={"matrix": "loop", "shift": "number('disk_centre')", "radius": str(radius)},
+            witness={"P": P, "z": np.linalg.eigh(P)[1][:, 0]},
+            quantities={"radius": "audit.proposed.flexible_disk_radius"},
+        )
+    )
     gains, k, disk = plant.controller(case, "proposed"), plant.constants(case), disk_of(case)
     reach = {
         "reduced": plant.enclosed_loop(case, "proposed")["disk_radius"]["value"],
         "full": disk.reach(plant.closed_loop(plant.flexible(k), gains)),
     }
-    found = scan(case, "audit.disk_over_models", [plausible(case, "pole_model")],
-                 lambda inputs: float(reach[inputs["pole_model"]]))  # fmt: skip
+    found = scan(
+        case,
+        "audit.disk_over_models",
+        [plausible(case, "pole_model")],
+        lambda inputs: float(reach[inputs["pole_model"]]),
+    )
     results.scan(found)
-    results.quantity("audit.disk_over_models", float(reach[case.choice("pole_model")]), source="Section V",
-                     method=f"eigenvalues, {case.choice('pole_model')} model")  # fmt: skip
+    results.quantity(
+        "audit.disk_over_models",
+        float(reach[case.choice("pole_model")]),
+        source="Section V",
+        method=f"eigenvalues, {case.choice('pole_model')} model",
+    )
     results.say("(6) with (8)", "stable, and outside the disk that the reduced loop keeps")
 
 
@@ -209,9 +255,13 @@ def audit_controller(case: Case, results: Results, name: str, gains: Gains) -> N
     for quantity, method in methods.items():
         results.quantity(f"audit.{name}.{quantity}", **poles[quantity], method=method, source="Section IV")
     results.quantity(
-        f"audit.{name}.hinf", bounds.lower, lower=bounds.lower, upper=bounds.upper, source="Section IV",
+        f"audit.{name}.hinf",
+        bounds.lower,
+        lower=bounds.lower,
+        upper=bounds.upper,
+        source="Section IV",
         method=f"exact Hamiltonian of the doubles, attained at {bounds.frequency:.3g} rad/s",
-    )  # fmt: skip
+    )
     rows = {
         "flexible_abscissa": (HalfPlane().reach(flexible), "eigenvalues of (6) with (8), 20 states"),
         "flexible_disk_radius": (disk.reach(flexible), "largest |s + 1.01| over the 20 eigenvalues of (6) with (8)"),
@@ -277,49 +327,19 @@ def small_angles(case: Case, results: Results) -> None:
 
         times = np.linspace(0, min(horizon, 60.0), 241)
         true = solve_ivp(nonlinear, (0, times[-1]), first, t_eval=times, **tight).y
-        near = solve_ivp(lambda t, s: linear @ s, (0, times[-1]), np.concatenate([scale * x0, np.zeros(6)]),
-                         t_eval=times, **tight).y  # fmt: skip
+        near = solve_ivp(
+            lambda t, s: linear @ s, (0, times[-1]), np.concatenate([scale * x0, np.zeros(6)]), t_eval=times, **tight
+        ).y
         return float(np.abs(true[:3] - near[:3]).max() / (scale * np.abs(x0[:3]).max()))
 
     for scale, name in ((1.0, "printed"), (4.0, "fourfold"), (12.0, "twelvefold")):
-        results.quantity(f"audit.small_angle.{name}", gap(scale), source="(5), (6), Remark 1",
-                         method="largest angle difference over the largest initial angle, no disturbance")  # fmt: skip
+        results.quantity(
+            f"audit.small_angle.{name}",
+            gap(scale),
+            source="(5), (6), Remark 1",
+            method="largest angle difference over the largest initial angle, no disturbance",
+        )
     results.say("(6), small angles", f"linear model off by {gap(1.0):.2%} of the start from Table 1's angles")
-
-
-def residuals(case: Case, reading: str, name: str) -> np.ndarray:
-    """Largest angle in the last 100 s of each draw of a campaign, rad; the draws are common to both controllers."""
-    loop, seed = FlexibleLoop(case, plant.controller(case, name)), int(case.number("seed"))
-    found = []
-    for number in range(SIMULATED[reading]):
-        times, states = response.redrawn(loop, response.HOLDS[reading], np.random.default_rng((seed, number)))
-        found.append(np.abs(states[times >= times[-1] - WINDOW][:, response.ANGLES]).max())
-    return np.array(found)
-
-
-@task("Figures 8 and 9")
-def random_gains(case: Case, results: Results) -> None:
-    """Residual angles under random gains, in the three readings of how often they are drawn."""
-    source, ratio = "Figures 8 and 9", {}
-    for reading, hold in response.HOLDS.items():
-        residual = {name: residuals(case, reading, name) for name in ("proposed", "comparison")}
-        for name, found in residual.items():
-            shared = f"of {len(found)} runs, largest angle in the last 100 s"
-            results.quantity(f"draws.{reading}.{name}.residual", float(np.median(found)), source=source,
-                             method=f"median {shared}")  # fmt: skip
-            results.quantity(f"draws.{reading}.{name}.diverged", float(np.mean(found > 1.0)), source=source,
-                             method=f"share {shared} above 1 rad")  # fmt: skip
-        ratio[hold] = float(np.median(residual["proposed"]) / np.median(residual["comparison"]))
-        better = float(np.mean(residual["proposed"] < residual["comparison"]))
-        results.quantity(f"draws.{reading}.proposed_smaller", better, source=source,
-                         method="share of the common draws with the smaller residual")  # fmt: skip
-        results.say(f"Figures 8 and 9, {reading}", f"proposed has the smaller residual in {better:.0%} of the draws")
-    inputs = [plausible(case, "draw_hold")]
-    over = scan(case, "draws.residual_ratio", inputs, lambda x: ratio[x["draw_hold"]])
-    results.scan(over)
-    results.quantity("draws.residual_ratio", ratio[case.choice("draw_hold")], source=source,
-                     method="ratio of the medians, proposed over [39], gains drawn once")  # fmt: skip
-    results.say(source, over.note)
 
 
 TASKS = (

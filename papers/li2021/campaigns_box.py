@@ -147,8 +147,9 @@ class GainBox:
         defect = np.abs(np.eye(3) - M @ inverse) + gamma(20) * (sizes @ np.abs(inverse) + np.eye(3))
         n = self.k.orbital_rate
         # terms of the sums in N, which may cancel
-        terms = np.abs(N) + np.hstack([np.full((3, 3), 8 * n * n * J.sum()), np.full((3, 3), 8 * n * sizes.sum()),
-                                       np.abs(self.gains.C)])  # fmt: skip
+        terms = np.abs(N) + np.hstack(
+            [np.full((3, 3), 8 * n * n * J.sum()), np.full((3, 3), 8 * n * sizes.sum()), np.abs(self.gains.C)]
+        )
         left_out = _ROUNDING * np.abs(loop)
         left_out[3:6] += (2 * np.abs(inverse) @ defect + _ROUNDING * np.abs(inverse)) @ terms
         left_out[6:, :3] += _ROUNDING * np.abs(self.gains.B)

@@ -13,7 +13,6 @@ from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 from scipy.optimize import minimize
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import Affine, BlockMatrix, Program, Variable, affine, positive, symmetric
 from papers.li2021 import plant
 
 CHANNELS = 27
@@ -121,14 +120,6 @@ def loop(k: plant.Constants[float], gains: plant.Gains, delta_m: float) -> Loop:
     return Loop(A=A, H=H, B=B, Cz=Cz, Dw=Dw, Dd=Dd, C=C, T=np.eye(12), channel=np.ones(CHANNELS))
 
 
-def _multipliers() -> tuple[list[Variable], Affine]:
-    parts = [positive(f"d{i}") for i in range(MULTIPLIERS)]
-    D = affine(np.zeros((CHANNELS, CHANNELS)))
-    for i, part in enumerate(parts):
-        D = D + part * np.diag(SPREAD[:, i])
-    return parts, D
-
-
 def schatten(matrices: np.ndarray, power: int) -> tuple[float, np.ndarray]:
     """Schatten norm of many matrices M as one block diagonal, and its derivative by their entries.
 
@@ -221,28 +212,6 @@ def norm_riccati(form: Loop, log_scale: np.ndarray, gamma: float) -> tuple[np.nd
     if found is not None:
         return found, d
     raise ComputationError("norm", f"no solution of the Riccati equation at gamma {gamma}")
-
-
-def torque_program(form: Loop, output: np.ndarray, start: np.ndarray) -> Program:
-    """Least start' P start with P >= output' output and P a Lyapunov matrix for all time-varying Delta, d~ = 0.
-
-    Parameters
-    ----------
-    form : Loop
-    output : ndarray, shape (3, 12)
-        (1 + delta_m) [0 C_f] in the loop's coordinates.
-    start : ndarray, shape (12,)
-        xi(0) in the loop's coordinates.
-    """
-    P, (_, D) = symmetric("P", 12), _multipliers()
-    V, Z = np.hstack([form.A, form.H]), np.hstack([form.Cz, form.Dw])
-    top, whole = P @ V, Z.T @ D @ Z
-    F = BlockMatrix("torque", "state", "channel")
-    F["state", "state"] = top[:, :12] + top[:, :12].T + whole[:12, :12]
-    F["state", "channel"] = top[:, 12:] + whole[:12, 12:]
-    F["channel", "channel"] = whole[12:, 12:] - D
-    x = start[:, None]
-    return Program(minimise=x.T @ P @ x, subject_to=[F < 0, (P > output.T @ output).named("P > K'K")], label="torque")
 
 
 def original(form: Loop, values: dict) -> tuple[np.ndarray, np.ndarray]:

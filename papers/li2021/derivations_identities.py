@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from gainsay.proof import Certificate, build
-from gainsay.statements import differing, identical, matrix
+from gainsay.statements import differing, identical, matrix, scalar
 from gainsay.tables import Case
 from papers.li2021.statements import FACTORS, PLANT
 
@@ -29,9 +29,10 @@ def kinematics(case: Case) -> tuple[Certificate, ...]:
     """(2) to (6) in this order, and that (2) as printed is no rotation."""
     R, angles = rotation(CORRECTED_32), "cf sf ct st cp sp"
     turned = (
-        ("R", R), ("w", f"({RATE}) @ {EULER_RATES}"),
+        ("R", R),
+        ("w", f"({RATE}) @ {EULER_RATES}"),
         ("cross", "[[0, -w[2, 0], w[1, 0]], [w[2, 0], 0, -w[0, 0]], [-w[1, 0], w[0, 0], 0]]"),
-    )  # fmt: skip
+    )
     moved = R
     for letter, angle in (("f", "phi"), ("t", "theta"), ("p", "psi")):
         moved = moved.replace(f"s{letter}", f"(S{letter} + e*C{letter}*d{angle})")
@@ -39,10 +40,16 @@ def kinematics(case: Case) -> tuple[Certificate, ...]:
     moved = moved.replace("S", "s").replace("C", "c")
     small, rates = "e phi theta psi", "dphi dtheta dpsi"
     motion = (
-        ("w1", "e*dphi - n*e*psi"), ("w2", "e*dtheta - n"), ("w3", "e*dpsi + n*e*phi"),
-        ("v1", "e*ddphi - n*e*dpsi"), ("v2", "e*ddtheta"), ("v3", "e*ddpsi + n*e*dphi"),
-        ("g1", "-e*theta"), ("g2", "e*phi"), ("g3", "1"),
-    )  # fmt: skip
+        ("w1", "e*dphi - n*e*psi"),
+        ("w2", "e*dtheta - n"),
+        ("w3", "e*dpsi + n*e*phi"),
+        ("v1", "e*ddphi - n*e*dpsi"),
+        ("v2", "e*ddtheta"),
+        ("v3", "e*ddpsi + n*e*dphi"),
+        ("g1", "-e*theta"),
+        ("g2", "e*phi"),
+        ("g3", "1"),
+    )
     newton = (
         "[[J1*v1 + (J3 - J2)*w2*w3 - 3*n**2*(J3 - J2)*g2*g3], [J2*v2 + (J1 - J3)*w3*w1 - 3*n**2*(J1 - J3)*g3*g1], "
         "[J3*v3 + (J2 - J1)*w1*w2 - 3*n**2*(J2 - J1)*g1*g2], [v1], [v2], [v3]]"
@@ -182,18 +189,14 @@ def reduction(case: Case) -> Certificate:
 
 def completed_square(case: Case) -> Certificate:
     """Lemma 2: (Theta/l + l Gamma)(.)'/2 - (Theta Gamma' + Gamma Theta') is half a square, here times l^2."""
-    return build.certificate(
-        "identity",
+    return identical(
+        case,
+        "lemma2.identity",
+        "(T + l^2 G)(T + l^2 G)' - 2 l^2 (T G' + G T') = (T - l^2 G)(T - l^2 G)' at size 2.",
+        "(T + l**2 * G) @ (T + l**2 * G).T - 2 * l**2 * (T @ G.T + G @ T.T)",
+        "(T - l**2 * G) @ (T - l**2 * G).T",
+        {"T": matrix(2, 2), "G": matrix(2, 2), "l": scalar()},
         id="lemma2-square",
-        paper=case.name,
-        tables=case,
-        statement="(T + l^2 G)(T + l^2 G)' - 2 l^2 (T G' + G T') = (T - l^2 G)(T - l^2 G)' at size 2.",
-        unknowns={"T": matrix(2, 2).entry(), "G": matrix(2, 2).entry(), "l": {}},
-        fields={
-            "left": "(T + l**2 * G) @ (T + l**2 * G).T - 2 * l**2 * (T @ G.T + G @ T.T)",
-            "right": "(T - l**2 * G) @ (T - l**2 * G).T",
-        },
-        quantities={"identity": "lemma2.identity"},
         faith=(
             "That the identity at size 2 stands for every size.",
             "The step from the identity to Lemma 2: a square is not negative, and division by 2 l^2 > 0.",
@@ -206,10 +209,9 @@ def negative_multiplier(case: Case) -> Certificate:
     return build.certificate(
         "feasible",
         id="lemma1-negative-mu",
-        paper=case.name,
         tables=case,
         statement="With Y = 0, H = E = 1, mu = -1: Y + H H'/mu + mu E'E < 0, yet Y + H F E + (H F E)' > 0 for F = 1.",
-        unknowns={"Y": {}, "f": {}},
+        unknowns={"Y": scalar().entry(), "f": scalar().entry()},
         fields={
             "constraints": [
                 ["condition", "Y - 1 - 1 < 0"],

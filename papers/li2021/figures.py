@@ -100,8 +100,12 @@ def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw largest angle and norm of the torque of the printed gains and of our own."""
     labels = ["largest Euler angle [deg]", "norm of the torque [N m]"]
     left, right = panels(figure, labels, columns=2, share_time=False)
-    named = (("proposed", "printed", "nominal"), ("comparison", "[39]", "comparison"), ("repaired", "ours", "axis_3"),
-             ("best", "largest variation", "perturbed"))  # fmt: skip
+    named = (
+        ("proposed", "printed", "nominal"),
+        ("comparison", "[39]", "comparison"),
+        ("repaired", "ours", "axis_3"),
+        ("best", "largest variation", "perturbed"),
+    )
     for run, label, look in named:
         signal, size = logs[run]["/attitude/angles_deg"], logs[run]["/wheels/torque_size"]
         shown = signal.time <= 60.0
@@ -162,4 +166,4 @@ FIGURES = (
     FigureSpec("random_repaired", _runs("repaired"), random_gains("repaired"), 7.0),
     FigureSpec("tradeoff", (), tradeoff),
     FigureSpec("designs", ("proposed", "comparison", "repaired", "best"), designs),
-)  # fmt: skip
+)

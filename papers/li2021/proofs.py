@@ -30,8 +30,14 @@ def lemma_3(case: Any, uncertain: bool = False, **texts: str | None) -> Stated:
 
 #: (10) with the printed gains and nominal A
 PRINTED_LOOP = {
-    "Af": "printed('Af')", "Bf": "printed('Bf')", "Cf": "printed('Cf')", "A": "A0", "Ad": "Af", "Bd": "Bf", "Cd": "Cf",
-}  # fmt: skip
+    "Af": "printed('Af')",
+    "Bf": "printed('Bf')",
+    "Cf": "printed('Cf')",
+    "A": "A0",
+    "Ad": "Af",
+    "Bd": "Bf",
+    "Cd": "Cf",
+}
 
 
 def printed_gains(case: Any, *rows: str, **texts: str) -> Stated:
@@ -77,7 +83,6 @@ def open_loop_in_disk(case: Any, rows: Statement) -> Certificate:
     W = (A @ V @ A.T - b**2 * V) / a - a * room * np.eye(6)
     return build.farkas(
         id="eq17-infeasible",
-        paper=case.name,
         statement="Rows 1a and 5a of (17), [[-(b^2/a) S + C'C, (A0 + aI)'S], [., -aS]] < 0, have no solution S > 0: "
         "they ask for the open-loop poles in D(a, b). No scalar of (17) and no other unknown enters them.",
         multipliers={"(17)": Z, "S > 0": W},
@@ -104,7 +109,6 @@ def solution_of_13(case: Any, values: Mapping[str, np.ndarray]) -> Certificate:
     eq13 = equation_13(divided=False).defining(TABLES, eps2=EPS2, dm=DELTA_M)
     return build.feasible_point(
         id="eq13-feasible-elsewhere",
-        paper=case.name,
         statement=f"(13) has a solution at Table 1's lambda, gamma and eps1 with eps2 = {EPS2}, delta_m = {DELTA_M}.",
         point=theorem_1_unknowns(case, values),
         quantities={"feasible": "eq13.feasible_elsewhere"},
@@ -118,7 +122,6 @@ def end_of_band(case: Any, values: Mapping[str, np.ndarray], inside: float, end:
     parts = lemma_3(case, g=TABLES["g"], lam=None).parts()
     return build.feasible_point(
         id=f"eq12-lambda-{end}",
-        paper=case.name,
         statement=f"(12) has a solution over all gains at lambda = {inside!r} and the paper's gamma.",
         point={**{name: value for name, value in values.items() if name in parts["unknowns"]}, "lam": inside},
         quantities={"objective": f"lemma3.lambda_{end}"},

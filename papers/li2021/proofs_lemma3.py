@@ -64,9 +64,17 @@ def lyapunov(case: Case) -> np.ndarray:
 def disk_of_lemma_3(case: Case, results: Results) -> None:
     """Prove that a loop satisfies (12) and has a pole outside D(a, b) with an inertia that the lemma allows."""
     texts = {
-        **TABLES, **GAINS, **CONTROLLER, "A": LIGHT_PLANT, "Ad": "Af", "Bd": "Bf", "Cd": "Cf", **LOOP,
-        "lam": LAMBDA, "g": GAMMA_SQUARED,
-    }  # fmt: skip
+        **TABLES,
+        **GAINS,
+        **CONTROLLER,
+        "A": LIGHT_PLANT,
+        "Ad": "Af",
+        "Bd": "Bf",
+        "Cd": "Cf",
+        **LOOP,
+        "lam": LAMBDA,
+        "g": GAMMA_SQUARED,
+    }
     stated = Stated(case, [EQ12.defining(texts) < 0, "P > 0"], label="(12)")
     prove(
         results,
@@ -81,12 +89,18 @@ def disk_of_lemma_3(case: Case, results: Results) -> None:
     moved = (light_loop(case) + case.number("disk_centre") * np.eye(12)) / radius
     P = solve_discrete_lyapunov(moved.T, np.eye(12))
     P = (P + P.T) / 2
-    results.certificate(build.certificate(
-        "unstable", id="lemma3-outside-disk", paper=case.name, tables=case,
-        statement=f"The loop of lemma3-eq12 has a pole outside D(1.01, {REACH}) where every inertia is 5 % low.",
-        definitions=stated.parts()["definitions"], fields={"matrix": LIGHT, "shift": "a", "radius": REACH},
-        witness={"P": P, "z": np.linalg.eigh(P)[1][:, 0]}, quantities={"radius": "lemma3.disk_reach"},
-    ))  # fmt: skip
+    results.certificate(
+        build.certificate(
+            "unstable",
+            id="lemma3-outside-disk",
+            tables=case,
+            statement=f"The loop of lemma3-eq12 has a pole outside D(1.01, {REACH}) where every inertia is 5 % low.",
+            definitions=stated.parts()["definitions"],
+            fields={"matrix": LIGHT, "shift": "a", "radius": REACH},
+            witness={"P": P, "z": np.linalg.eigh(P)[1][:, 0]},
+            quantities={"radius": "lemma3.disk_reach"},
+        )
+    )
     loops = {"loop": light_loop(case), "nominal": stated.floats().value("A_t").constant}
     reach = {
         name: float(np.abs(np.linalg.eigvals(loop) + case.number("disk_centre")).max()) for name, loop in loops.items()
@@ -96,7 +110,14 @@ def disk_of_lemma_3(case: Case, results: Results) -> None:
         case, "lemma3.disk_over_readings", [plausible(case, "disk_poles")], lambda inputs: reach[inputs["disk_poles"]]
     )
     results.scan(found)
-    results.quantity("lemma3.disk_over_readings", reach[case.choice("disk_poles")], source="Lemma 3",
-                     method=f"eigenvalues, poles of the {case.choice('disk_poles')}")  # fmt: skip
-    results.say("Lemma 3", f"gains with (12) at lambda = {LAMBDA}: poles within {reach['nominal']:.4f} of -a, and "
-                           f"{reach['loop']:.4f} where the inertia is 5 % low")  # fmt: skip
+    results.quantity(
+        "lemma3.disk_over_readings",
+        reach[case.choice("disk_poles")],
+        source="Lemma 3",
+        method=f"eigenvalues, poles of the {case.choice('disk_poles')}",
+    )
+    results.say(
+        "Lemma 3",
+        f"gains with (12) at lambda = {LAMBDA}: poles within {reach['nominal']:.4f} of -a, and "
+        f"{reach['loop']:.4f} where the inertia is 5 % low",
+    )

@@ -18,6 +18,7 @@ from papers.li2021 import conditions_arcs as arcs
 from papers.li2021 import conditions_robust as robust
 from papers.li2021 import plant
 from papers.li2021.statements import PLANT, UNCERTAIN
+from papers.li2021.statements_torque import least_torque
 
 #: (10) in linear fractional form; dm is the bound on the gain variation
 CHANNELS = (
@@ -31,7 +32,7 @@ CHANNELS = (
     ("Dd", "col(zeros(12, 3), Wcl @ Bcl, zeros(12, 3))"),
     ("k", "(1 + dm) * row(zeros(3, 6), Cf)"),
     ("x0", "col(printed('x0'), zeros(6, 1))"),
-)  # fmt: skip
+)
 #: formulas of Af, Bf, Cf
 Formulas = tuple[tuple[str, str], ...]
 PRINTED: Formulas = (("Af", "printed('Af')"), ("Bf", "printed('Bf')"), ("Cf", "printed('Cf')"))
@@ -107,7 +108,8 @@ def torque_evidence(
     start, output = np.linalg.solve(form.T, start_state(case)), torque_output(gains, delta_m) @ form.T
     size = float(np.linalg.norm(output, 2) ** 2)
     near = {"P": size * np.eye(12), **{f"d{i}": size for i in range(robust.MULTIPLIERS)}}
-    found = solve(robust.torque_program(form, output, start), near=near, rounds=1).need("torque")
+    data = {"A": form.A, "H": form.H, "Cz": form.Cz, "Dw": form.Dw, "k": output, "x0": start[:, None]}
+    found = solve(least_torque(data, robust.OF_CHANNEL).program(), near=near, rounds=1).need("torque")
     return robust.original(form, found.values), float(np.sqrt(found.objective))
 
 
@@ -172,7 +174,6 @@ def certificate(
     return build.certificate(
         "level",
         id=name,
-        paper=case.name,
         tables=case,
         statement=statement,
         definitions=[("dm", repr(evidence.delta_m)), *PLANT, *UNCERTAIN, *formulas, *CHANNELS],

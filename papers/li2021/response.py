@@ -12,6 +12,8 @@ from papers.li2021 import plant
 ANGLES, RATES, MODES, CONTROLLER = slice(0, 3), slice(3, 6), slice(6, 10), slice(14, 20)
 #: delta_i of each choice of `inertia_case`; Delta J2 is printed negative
 INERTIAS = {"nominal": (0, 0, 0), "heavy": (1, -1, 1), "light": (-1, 1, -1)}
+#: the end of a run in which its residuals are read, s
+WINDOW = 100.0
 #: how long the drawn factors of the gains are held, as `redrawn` has it, by reading of Figures 8 and 9
 HOLDS = {"constant": "constant", "fast": "0.1", "slow": "1"}
 

@@ -29,7 +29,7 @@ from gainsay.logs import (
 from gainsay.simulation.periodic import PeriodicSolution
 from gainsay.tables import Case
 from papers.li2021 import plant, response
-from papers.li2021.response import ANGLES, MODES, RATES, FlexibleLoop
+from papers.li2021.response import ANGLES, MODES, RATES, WINDOW, FlexibleLoop
 
 AXES = ("x", "y", "z")
 ANGLE_FIELDS = {"roll": "rad", "pitch": "rad", "yaw": "rad"}
@@ -37,7 +37,6 @@ MODE_FIELDS = {f"eta_{i}": "kg^0.5 m" for i in (1, 2, 3, 4)}
 STEPS = 40
 #: samples of the log: dense in the transient, then sparse, s
 DENSE_END, DENSE, SPARSE = 60.0, 0.025, 0.25
-WINDOW = 100.0
 #: distance of the samples of the runs under random gains, s
 NODE = 0.1
 #: an angle has settled once it stays below this part of the largest one at the start
@@ -133,9 +132,19 @@ def record(
     log.signal("/modes/coordinates", MODE_FIELDS, time, states[:, MODES])
     log.bound("torque", "N m", lower=-case.number("u_max"), upper=case.number("u_max"))
     log.transform("lvlh", "body", time, np.zeros((len(time), 3)), quaternions(states[:, ANGLES]))
-    log.body("satellite", "body", Body((0.6, 0.6, 0.6), appendages=(
-        _panel(1.0, tip=(1.0, 0.0, 1.0, 0.0)), _panel(-1.0, tip=(0.0, 1.0, 0.0, 1.0)),
-    )), time=time, modal=states[:, MODES])  # fmt: skip
+    log.body(
+        "satellite",
+        "body",
+        Body(
+            (0.6, 0.6, 0.6),
+            appendages=(
+                _panel(1.0, tip=(1.0, 0.0, 1.0, 0.0)),
+                _panel(-1.0, tip=(0.0, 1.0, 0.0, 1.0)),
+            ),
+        ),
+        time=time,
+        modal=states[:, MODES],
+    )
     # The largest torque of the run is drawn 1 m long.
     log.arrows("torque", "body", time, torque, 1.0 / max(np.linalg.norm(torque, axis=1).max(), 1e-12), "thrust")
     log.axes("lvlh", 1.5, name="LVLH")
@@ -189,9 +198,15 @@ def measure(name: str, *more: str) -> Measure:
 
 
 ALL = (
-    "peak_torque", "first_angle", "residual_angle", "first_rate", "residual_rate", "settling_time", "peak_mode",
+    "peak_torque",
+    "first_angle",
+    "residual_angle",
+    "first_rate",
+    "residual_rate",
+    "settling_time",
+    "peak_mode",
     "residual_mode",
-)  # fmt: skip
+)
 #: what is left at the end of the largest value, which the paper speaks of for its own gains alone
 SHARES = ("angle_share", "rate_share", "mode_share")
 
@@ -240,29 +255,63 @@ LOOK = {
     "best": "Look at: torque and time to settle; compare with `proposed`.",
 }
 
-LAYOUT = Layout("li2021", (
-    Tab("Attitude", Columns(
-        Scene("Body axes against LVLH", "lvlh", elements=("satellite", "torque"), axes=("lvlh", "body"),
-              direction=(4.0, 3.0, 2.0)),
-        Rows(
-            Plot("Euler angles [deg]", _three("/attitude/angles_deg", ANGLE_FIELDS), until=_SHOWN),
-            Plot("Euler rates [deg/s]", _three("/attitude/rates_deg_s", ANGLE_FIELDS), until=_SHOWN),
-            Plot("Control torque [N m]", _three("/wheels/torque", AXES), until=_SHOWN),
-            Plot("Norm of the torque [N m]", (Line("/wheels/torque_size", "size", "norm", "magnitude"),),
-                 bounds=(Bound("torque", "u_max", sides=("upper",)),), until=_SHOWN),
+LAYOUT = Layout(
+    "li2021",
+    (
+        Tab(
+            "Attitude",
+            Columns(
+                Scene(
+                    "Body axes against LVLH",
+                    "lvlh",
+                    elements=("satellite", "torque"),
+                    axes=("lvlh", "body"),
+                    direction=(4.0, 3.0, 2.0),
+                ),
+                Rows(
+                    Plot("Euler angles [deg]", _three("/attitude/angles_deg", ANGLE_FIELDS), until=_SHOWN),
+                    Plot("Euler rates [deg/s]", _three("/attitude/rates_deg_s", ANGLE_FIELDS), until=_SHOWN),
+                    Plot("Control torque [N m]", _three("/wheels/torque", AXES), until=_SHOWN),
+                    Plot(
+                        "Norm of the torque [N m]",
+                        (Line("/wheels/torque_size", "size", "norm", "magnitude"),),
+                        bounds=(Bound("torque", "u_max", sides=("upper",)),),
+                        until=_SHOWN,
+                    ),
+                ),
+                shares=(1, 1),
+            ),
         ),
-        shares=(1, 1))),
-    Tab("Appendages", Rows(
-        Plot("Modal coordinates, first minute [kg^0.5 m]", _three("/modes/coordinates", MODE_FIELDS), until=_SHOWN),
-        Plot("Modal coordinates [kg^0.5 m]", _three("/modes/coordinates", MODE_FIELDS)),
-    )),
-    Tab("Whole run", Rows(
-        Plot("Euler angles, whole run [deg]", _three("/attitude/angles_deg", ANGLE_FIELDS)),
-        Plot("Control torque, whole run [N m]", _three("/wheels/torque", AXES)),
-    )),
-    Tab("Gain variation", Rows(
-        Plot("Common gain variation [1]", until=_VARIED,
-             lines=(Line("/controller/variation", "delta", "delta", "perturbed"),)),
-    ), runs=PERIODIC),
-    Tab("About", Columns(Text("About", ABOUT), EventLog())),
-), look=LOOK)  # fmt: skip
+        Tab(
+            "Appendages",
+            Rows(
+                Plot(
+                    "Modal coordinates, first minute [kg^0.5 m]",
+                    _three("/modes/coordinates", MODE_FIELDS),
+                    until=_SHOWN,
+                ),
+                Plot("Modal coordinates [kg^0.5 m]", _three("/modes/coordinates", MODE_FIELDS)),
+            ),
+        ),
+        Tab(
+            "Whole run",
+            Rows(
+                Plot("Euler angles, whole run [deg]", _three("/attitude/angles_deg", ANGLE_FIELDS)),
+                Plot("Control torque, whole run [N m]", _three("/wheels/torque", AXES)),
+            ),
+        ),
+        Tab(
+            "Gain variation",
+            Rows(
+                Plot(
+                    "Common gain variation [1]",
+                    until=_VARIED,
+                    lines=(Line("/controller/variation", "delta", "delta", "perturbed"),),
+                ),
+            ),
+            runs=PERIODIC,
+        ),
+        Tab("About", Columns(Text("About", ABOUT), EventLog())),
+    ),
+    look=LOOK,
+)

@@ -147,18 +147,28 @@ def _found(
 def repaired(case: Case) -> FoundDesign:
     """Gains a little better than what the audit finds for the printed ones on the measures wished for."""
     wishes = design.Wishes(
-        case.number("delta_m"), disk_radius=0.69, abscissa_flexible=-0.00634, norm=0.89, static_gain=0.89,
-        steady=8.4e-4, torque=0.425, drawn_abscissa=-0.02,
-    )  # fmt: skip
+        case.number("delta_m"),
+        disk_radius=0.69,
+        abscissa_flexible=-0.00634,
+        norm=0.89,
+        static_gain=0.89,
+        steady=8.4e-4,
+        torque=0.425,
+        drawn_abscissa=-0.02,
+    )
     reached = improved(case, plant.controller(case, "proposed"), wishes)
     found = limits(case, reached.gains)
     return _found(
-        case, reached.gains, found, levels(case, reached.gains, found),
+        case,
+        reached.gains,
+        found,
+        levels(case, reached.gains, found),
         asked="more gain variation than the printed gains allow, with a smaller disk, norm, static gain, steady error "
         "and torque, and poles further left in the flexible loop and under random gains",
         method="quasi-Newton minimisation of the scaled norms with one-sided penalties, from the printed gains",
-        converged=reached.converged, effort={"iterations": reached.iterations, "evaluations": reached.evaluations},
-    )  # fmt: skip
+        converged=reached.converged,
+        effort={"iterations": reached.iterations, "evaluations": reached.evaluations},
+    )
 
 
 def _meets(case: Case, gains: plant.Gains, wish: Mapping[str, float]) -> bool:
@@ -187,8 +197,10 @@ def tradeoff(case: Case, name: str) -> FoundDesign:
         for delta in ladder:
             reached = improved(case, gains, design.Wishes(delta, gamma=9.0, torque=0.6, **asked))
             gains, iterations, evaluations = (
-                reached.gains, iterations + reached.iterations, evaluations + reached.evaluations
-            )  # fmt: skip
+                reached.gains,
+                iterations + reached.iterations,
+                evaluations + reached.evaluations,
+            )
             if _meets(case, gains, wish):
                 found = limits(case, gains)
                 candidates.append((found.both, gains, found, reached.converged))
@@ -198,11 +210,15 @@ def tradeoff(case: Case, name: str) -> FoundDesign:
     _, gains, found, converged = max(candidates, key=lambda candidate: candidate[0])
     bounds = ", ".join(f"{key.replace('_', ' ')} at most {bound:g}" for key, bound in wish.items())
     return _found(
-        case, gains, found, point_level(found),
+        case,
+        gains,
+        found,
+        point_level(found),
         asked=f"the largest gain variation with disk, norm and torque, {bounds}",
         method=f"quasi-Newton minimisation of the scaled norms with one-sided penalties, from {', '.join(starts)}",
-        converged=converged, effort={"iterations": iterations, "evaluations": evaluations},
-    )  # fmt: skip
+        converged=converged,
+        effort={"iterations": iterations, "evaluations": evaluations},
+    )
 
 
 def _narrower(wish: Mapping[str, float], other: Mapping[str, float]) -> bool:
@@ -216,10 +232,15 @@ def best(case: Case) -> FoundDesign:
     gains = plant.gains_of(case.designs[chosen])
     found = limits(case, gains)
     return _found(
-        case, gains, found, levels(case, gains, found),
+        case,
+        gains,
+        found,
+        levels(case, gains, found),
         asked="the largest gain variation with disk, norm and torque together",
-        method=f"the best of the trade-off: {chosen}", converged=case.designs[chosen].file.converged, effort={},
-    )  # fmt: skip
+        method=f"the best of the trade-off: {chosen}",
+        converged=case.designs[chosen].file.converged,
+        effort={},
+    )
 
 
 def printed_levels(case: Case) -> FoundDesign:

@@ -321,7 +321,7 @@ def improve(
     Raises
     ------
     ComputationError
-        If the objective is no number at the start.
+        If the objective is not a number at the start.
     """
     objective = Objective(k, wishes, disk, start, constant)
     used, evaluated, converged = 0, 0, False
@@ -329,7 +329,7 @@ def improve(
         x = np.concatenate([pack(gains), objective.scalings(gains)])
         unit = np.concatenate([np.maximum(np.abs(pack(gains)), 0.05), np.ones(x.size - GAINS)])
         if not np.isfinite(objective(x)[0]):
-            raise ComputationError("design", "the objective is no number at the given gains")
+            raise ComputationError("design", "the objective is not a number at the given gains")
 
         def scaled(y: np.ndarray, unit: np.ndarray = unit) -> tuple[float, np.ndarray]:
             value, slope = objective(y * unit)

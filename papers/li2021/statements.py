@@ -16,12 +16,23 @@ LOOP = {
 }
 #: matrices of (10) as unknowns: what is derived of them holds for every plant and all gains
 LOOP_UNKNOWNS = {
-    "A_t": matrix(12, 12), "B_t": matrix(12, 3), "E_t": matrix(12, 3), "C_t": matrix(3, 12), "W_t": matrix(3, 12),
-}  # fmt: skip
+    "A_t": matrix(12, 12),
+    "B_t": matrix(12, 3),
+    "E_t": matrix(12, 3),
+    "C_t": matrix(3, 12),
+    "W_t": matrix(3, 12),
+}
 PLANT_UNKNOWNS = {
-    "A": matrix(6, 6), "B1": matrix(6, 3), "B2": matrix(6, 3), "C": matrix(3, 6), "E": matrix(6, 3),
-    "W0": matrix(3, 6), "Ad": matrix(6, 6), "Bd": matrix(6, 3), "Cd": matrix(3, 6),
-}  # fmt: skip
+    "A": matrix(6, 6),
+    "B1": matrix(6, 3),
+    "B2": matrix(6, 3),
+    "C": matrix(3, 6),
+    "E": matrix(6, 3),
+    "W0": matrix(3, 6),
+    "Ad": matrix(6, 6),
+    "Bd": matrix(6, 3),
+    "Cd": matrix(3, 6),
+}
 #: (1)-(10) with the corrected Gamma_D and Gamma_G; E and W0 without their rows and columns of zeros
 PLANT = (
     ("n", "number('orbital_rate')"),
@@ -58,17 +69,36 @@ UNCERTAIN = (
 
 #: names of the statements in the tables: B1 = B2 = B, and the rows of E that are not zero are those of B
 TABLES = {
-    **dict(PLANT), **dict(UNCERTAIN), "B1": "B", "B2": "B", "E": "B", "W0": "W", "g": "number('gamma')**2",
-    "lam": "number('lambda')", "eps1": "number('eps1')", "eps2": "number('eps2')", "dm": "number('delta_m')",
-}  # fmt: skip
+    **dict(PLANT),
+    **dict(UNCERTAIN),
+    "B1": "B",
+    "B2": "B",
+    "E": "B",
+    "W0": "W",
+    "g": "number('gamma')**2",
+    "lam": "number('lambda')",
+    "eps1": "number('eps1')",
+    "eps2": "number('eps2')",
+    "dm": "number('delta_m')",
+}
 #: unknowns of Theorem 1, and its plant
 THEOREM_1 = {
-    "S": symmetric(6), "N": symmetric(6), "Fa": matrix(6, 6), "Fb": matrix(6, 3), "Cf": matrix(3, 6),
-}  # fmt: skip
+    "S": symmetric(6),
+    "N": symmetric(6),
+    "Fa": matrix(6, 6),
+    "Fb": matrix(6, 3),
+    "Cf": matrix(3, 6),
+}
 UNCERTAIN_UNKNOWNS = {
-    "A0": matrix(6, 6), "B1": matrix(6, 3), "B2": matrix(6, 3), "C": matrix(3, 6), "E": matrix(6, 3),
-    "W0": matrix(3, 6), "L": matrix(6, 12), "K": matrix(12, 6),
-}  # fmt: skip
+    "A0": matrix(6, 6),
+    "B1": matrix(6, 3),
+    "B2": matrix(6, 3),
+    "C": matrix(3, 6),
+    "E": matrix(6, 3),
+    "W0": matrix(3, 6),
+    "L": matrix(6, 12),
+    "K": matrix(12, 6),
+}
 #: r stands for b^2/a, g for gamma^2
 SCALARS = {name: positive() for name in ("a", "r", "lam", "g")}
 
@@ -167,9 +197,13 @@ EQ_B3 = Statement(
         ("b", "b"): "-(S - N) / theta",
     },
     unknowns={
-        "S": symmetric(6), "N": symmetric(6), "Cd": matrix(3, 6), "u_max": positive(), "theta": positive(),
+        "S": symmetric(6),
+        "N": symmetric(6),
+        "Cd": matrix(3, 6),
+        "u_max": positive(),
+        "theta": positive(),
     },
-)  # fmt: skip
+)
 EQ19 = Statement(
     "(19)",
     "Lemma 4",
@@ -184,10 +218,12 @@ EQ19 = Statement(
         ("F3", "F3"): "-eps3 * eye(3)",
     },
     unknowns={
-        "S": symmetric(6), "N": symmetric(6), "Cf": matrix(3, 6),
+        "S": symmetric(6),
+        "N": symmetric(6),
+        "Cf": matrix(3, 6),
         **{name: positive() for name in ("u_max", "theta", "eps3", "dm")},
     },
-)  # fmt: skip
+)
 EQ20 = Statement(
     "(20)",
     "Lemma 4",

@@ -24,9 +24,13 @@ FIRST_ORDER = {"sf": "e*phi", "cf": "1", "st": "e*theta", "ct": "1", "sp": "e*ps
 CIRCLES = ["cf**2 + sf**2 - 1", "ct**2 + st**2 - 1", "cp**2 + sp**2 - 1"]
 #: a point at which the relations of an identity meet: sines 3/5 and cosines 4/5, no step e, moments 2; 1 elsewhere
 MEETING = {
-    **dict.fromkeys(("sf", "st", "sp"), "3/5"), **dict.fromkeys(("cf", "ct", "cp"), "4/5"),
-    "e": "0", "I": "2", "Iy": "2", "v": "1/2",
-}  # fmt: skip
+    **dict.fromkeys(("sf", "st", "sp"), "3/5"),
+    **dict.fromkeys(("cf", "ct", "cp"), "4/5"),
+    "e": "0",
+    "I": "2",
+    "Iy": "2",
+    "v": "1/2",
+}
 LINEAR_RATE = "[[e*dphi - n*e*psi], [e*dtheta - n], [e*dpsi + n*e*phi]]"
 
 
@@ -49,9 +53,10 @@ def kinematics(case: Case, results: Results) -> None:
     )
     rates = "[[dphi], [dtheta], [dpsi]]"
     turned = {
-        "c": f"({ROTATION})", "w": f"({RATE})@{rates}",
+        "c": f"({ROTATION})",
+        "w": f"({RATE})@{rates}",
         "cross": "[[0, -w[2, 0], w[1, 0]], [w[2, 0], 0, -w[0, 0]], [-w[1, 0], w[0, 0], 0]]",
-    }  # fmt: skip
+    }
     moved = ROTATION
     for letter, angle in (("f", "phi"), ("t", "theta"), ("p", "psi")):
         moved = moved.replace(f"s{letter}", f"(S{letter} + e*C{letter}*d{angle})")
@@ -115,13 +120,17 @@ def kinematics(case: Case, results: Results) -> None:
         source="(7)",
     )
     motion = {
-        "wx": "e*dphi - n*e*psi", "wy": "e*dtheta - n", "wz": "e*dpsi + n*e*phi",
-        "dwx": "e*ddphi - n*e*dpsi", "dwy": "e*ddtheta", "dwz": "e*ddpsi + n*e*dphi",
-        "gx": "3*n**2*(Iz - Iy)*e*phi", "gy": "3*n**2*(Iz - Ix)*e*theta", "gz": "0",
-    }  # fmt: skip
-    euler = (
-        "[[Ix*dwx - (Iy - Iz)*wy*wz - gx], [Iy*dwy - (Iz - Ix)*wz*wx - gy], [Iz*dwz - (Ix - Iy)*wx*wy - gz]]"
-    )  # fmt: skip
+        "wx": "e*dphi - n*e*psi",
+        "wy": "e*dtheta - n",
+        "wz": "e*dpsi + n*e*phi",
+        "dwx": "e*ddphi - n*e*dpsi",
+        "dwy": "e*ddtheta",
+        "dwz": "e*ddpsi + n*e*dphi",
+        "gx": "3*n**2*(Iz - Iy)*e*phi",
+        "gy": "3*n**2*(Iz - Ix)*e*theta",
+        "gz": "0",
+    }
+    euler = "[[Ix*dwx - (Iy - Iz)*wy*wz - gx], [Iy*dwy - (Iz - Ix)*wz*wx - gy], [Iz*dwz - (Ix - Iy)*wx*wy - gz]]"
     eight = (
         "e*[[Ix*ddphi - n*(Ix - Iy + Iz)*dpsi + 4*n**2*(Iy - Iz)*phi], [Iy*ddtheta + 3*n**2*(Ix - Iz)*theta],"
         " [Iz*ddpsi + n*(Ix - Iy + Iz)*dphi + n**2*(Iy - Ix)*psi]]"
@@ -265,18 +274,29 @@ def robustness(case: Case, results: Results) -> None:
                         for A, B in (linear_model(satellite.changed(corner), group) for corner in corners)
                     )
                     _certify_vertices(
-                        case, results, f"robust-{design}-{group}", f"{name}.{level}.worst_abscissa.{group}",
-                        design, group, worst, within="10 %",
-                    )  # fmt: skip
+                        case,
+                        results,
+                        f"robust-{design}-{group}",
+                        f"{name}.{level}.worst_abscissa.{group}",
+                        design,
+                        group,
+                        worst,
+                        within="10 %",
+                    )
                     results.quantity(
-                        f"{name}.{level}.worst_abscissa.{group}", worst, source="(11), Section 5",
+                        f"{name}.{level}.worst_abscissa.{group}",
+                        worst,
+                        source="(11), Section 5",
                         method="eigenvalues at the eight corners; the certificate bounds it over the whole box",
-                    )  # fmt: skip
+                    )
                 guaranteed = case.exact("inertia_change") / case.exact(parameter)
                 results.enclosed(
-                    f"{name}.{level}.guaranteed_share", guaranteed, guaranteed, source="||Delta|| < 1/gamma",
+                    f"{name}.{level}.guaranteed_share",
+                    guaranteed,
+                    guaranteed,
+                    source="||Delta|| < 1/gamma",
                     method="p over gamma: delta is normalised, so that ||Delta|| < 1/gamma allows p/gamma",
-                )  # fmt: skip
+                )
     results.say("inertia uncertainty", "stability over the whole box certified for twelve loops")
 
 
@@ -295,13 +315,22 @@ def small_gain(case: Case, results: Results) -> None:
                 plant, K = generalized_plant(reconstruction(case, name), group), case.designs[design][f"K_{group}"]
                 worst = max(spectral_abscissa(A - B @ K) for A, B in (plant.uncertain(d) for d in delta))
                 _certify_vertices(
-                    case, results, f"small-gain-{name}-{group}", quantity, design, group, worst,
-                    within=f"{100 * most:g} %", share="number('inertia_change')/number('gamma_min')",
-                )  # fmt: skip
+                    case,
+                    results,
+                    f"small-gain-{name}-{group}",
+                    quantity,
+                    design,
+                    group,
+                    worst,
+                    within=f"{100 * most:g} %",
+                    share="number('inertia_change')/number('gamma_min')",
+                )
                 results.quantity(
-                    quantity, worst, source="||Delta|| < 1/gamma",
+                    quantity,
+                    worst,
+                    source="||Delta|| < 1/gamma",
                     method="eigenvalues at the eight corners; the certificate bounds it over the whole box",
-                )  # fmt: skip
+                )
     results.say("small gain", f"stability for changes up to {100 * most:g} % certified for four loops")
 
 
@@ -328,14 +357,23 @@ def _certify_vertices(
         found = Stated(case, [decay, "P > 0"], None, unknowns, definitions, label="vertices", margin=1e-5).solve()
         if isinstance(found, Solved):
             break
-    results.certificate(build.certificate(
-        "lyapunov", id=id.replace("_", "-"), paper=case.name, tables=case,
-        statement=f"The loop {design}, {group}, is stable for every change of the moments within {within}, with one P.",
-        definitions=definitions, fields={"matrix": texts, "alpha": alpha},
-        witness={"P": found.need(f"robustness, {design}, {group}")["P"]}, quantities={"abscissa": quantity},
-        faith=("That every closed loop of the box is a convex combination of the vertices: each row of (8) is affine"
-               " in 1/I of its axis and in each moment that it multiplies.",),
-    ))  # fmt: skip
+    results.certificate(
+        build.certificate(
+            "lyapunov",
+            id=id.replace("_", "-"),
+            tables=case,
+            statement=f"The loop {design}, {group}, is stable for every change of the moments within "
+            f"{within}, with one P.",
+            definitions=definitions,
+            fields={"matrix": texts, "alpha": alpha},
+            witness={"P": found.need(f"robustness, {design}, {group}")["P"]},
+            quantities={"abscissa": quantity},
+            faith=(
+                "That every closed loop of the box is a convex combination of the vertices: each row of (8) is affine"
+                " in 1/I of its axis and in each moment that it multiplies.",
+            ),
+        )
+    )
 
 
 TASKS = (kinematics, transformations, robustness, small_gain, *proofs.TASKS, *SCANS)

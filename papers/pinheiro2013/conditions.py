@@ -16,6 +16,8 @@ from papers.pinheiro2013.statements import given_problem
 _WORST_BASIS = 1e12
 #: how far above its infimum the H-infinity level is taken where the infimum itself is wanted
 ABOVE = 1.001
+#: how far two methods may lie apart before neither is believed
+AGREE = 1e-5
 
 
 def gamma_min(plant: GeneralizedPlant) -> float:

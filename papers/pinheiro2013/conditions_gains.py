@@ -88,9 +88,17 @@ def stack(plants: Sequence[GeneralizedPlant], levels: Sequence[float], limits: S
             "level", field="gamma", value=float(levels[int(least.argmin())]), expected="above the norm of D11"
         )
     return Stack(
-        each(lambda p: p.A), each(lambda p: p.B2), each(lambda p: p.C1), each(lambda p: p.D12), each(lambda p: p.C2),
-        each(lambda p: p.D22), each(lambda p: p.B1 @ p.B1.T), each(lambda p: p.B1 @ p.D11.T), R, np.array(limits),
-    )  # fmt: skip
+        each(lambda p: p.A),
+        each(lambda p: p.B2),
+        each(lambda p: p.C1),
+        each(lambda p: p.D12),
+        each(lambda p: p.C2),
+        each(lambda p: p.D22),
+        each(lambda p: p.B1 @ p.B1.T),
+        each(lambda p: p.B1 @ p.D11.T),
+        R,
+        np.array(limits),
+    )
 
 
 def _t(M: np.ndarray) -> np.ndarray:
@@ -125,9 +133,9 @@ def riccati(A: np.ndarray, Q: np.ndarray, G: np.ndarray) -> tuple[np.ndarray, np
         Whether a stabilising X > 0 was found, with a residual of rounding.
     """
     n = A.shape[-1]
-    values, vectors = np.linalg.eig(np.concatenate([
-        np.concatenate([_t(A), G], axis=-1), np.concatenate([-Q, -A], axis=-1)
-    ], axis=-2))  # fmt: skip
+    values, vectors = np.linalg.eig(
+        np.concatenate([np.concatenate([_t(A), G], axis=-1), np.concatenate([-Q, -A], axis=-1)], axis=-2)
+    )
     order = np.argsort(values.real, axis=-1)[:, None, :n]
     basis = np.take_along_axis(vectors, order, axis=-1)
     margin = 1e-12 * np.abs(values).max(axis=-1, keepdims=True)
@@ -270,9 +278,15 @@ def _in_states(plants: Stack, T: np.ndarray) -> Stack:
     """Plants in other states, x = T x'."""
     to = np.linalg.inv(T)
     return replace(
-        plants, A=to @ plants.A @ T, B2=to @ plants.B2, C1=plants.C1 @ T, C2=plants.C2 @ T,
-        BB=to @ plants.BB @ _t(to), BD=to @ plants.BD, limit=plants.limit @ T,
-    )  # fmt: skip
+        plants,
+        A=to @ plants.A @ T,
+        B2=to @ plants.B2,
+        C1=plants.C1 @ T,
+        C2=plants.C2 @ T,
+        BB=to @ plants.BB @ _t(to),
+        BD=to @ plants.BD,
+        limit=plants.limit @ T,
+    )
 
 
 def _newton(

@@ -24,9 +24,13 @@ NAMES = {"roll": "x", "pitch": "y", "yaw": "z"}
 
 def _curve(panel: Axes, signal: Signal, field: str, design: str, *, dashed: bool = False, label: str = "") -> None:
     panel.plot(
-        signal.time, signal.column(field), color=COLOURS[design], linewidth=0.8 if dashed else 1.2,
-        linestyle=(0, (4, 2)) if dashed else "solid", label=label or None,
-    )  # fmt: skip
+        signal.time,
+        signal.column(field),
+        color=COLOURS[design],
+        linewidth=0.8 if dashed else 1.2,
+        linestyle=(0, (4, 2)) if dashed else "solid",
+        label=label or None,
+    )
 
 
 def _panels(figure: Figure, label: str) -> list:
@@ -89,22 +93,29 @@ _EXTREMES = ("hinf", "h2")
 FIGURES = (
     *(
         FigureSpec(
-            f"figure_{number}", _runs("release", _EXTREMES),
-            uncertainty(name, _EXTREMES), 3.2,
+            f"figure_{number}",
+            _runs("release", _EXTREMES),
+            uncertainty(name, _EXTREMES),
+            3.2,
         )
         for number, name in enumerate(NAMES, start=6)
     ),
     *(
         FigureSpec(
-            f"figure_{number}", _runs("release"),
-            control(name), 3.2,
+            f"figure_{number}",
+            _runs("release"),
+            control(name),
+            3.2,
         )
         for number, name in enumerate(NAMES, start=9)
     ),
     *(
         FigureSpec(
-            f"figure_{number}", _runs("disturbed"), external(name), 3.2,
+            f"figure_{number}",
+            _runs("disturbed"),
+            external(name),
+            3.2,
         )
         for number, name in enumerate(NAMES, start=12)
     ),
-)  # fmt: skip
+)

@@ -33,21 +33,27 @@ def without_disturbance(case: Case, results: Results) -> None:
     low, _, high = case.parameters["inertia_b_x"].plausible.partition("..")
     results.prove(
         build.certificate(
-            "enclosed", id="channels-alone-level", paper=case.name, tables=case,
+            "enclosed",
+            id="channels-alone-level",
+            tables=case,
             statement="Without d in w the infimum of the level is 0.1 to three digits for all plausible inputs,"
             " not 0.2.",
             definitions={
-                "share": "number('inertia_change')", "n": between(case, "orbital_rate"),
-                "u": f"interval({low}/{high}, {high}/{low})", "v": "u",
+                "share": "number('inertia_change')",
+                "n": between(case, "orbital_rate"),
+                "u": f"interval({low}/{high}, {high}/{low})",
+                "v": "u",
                 "most": "share*sqrt(1 + n**2 + (n**2 + 16*n**4)*(u**2 + v**2))",
             },
             fields={"formula": "most"},
             quantities={"value": "plausible.channels_alone.gamma_min"},
-            faith=("That no row of D11 without the column of d is longer, u and v the ratios of the other two moments"
-                   " to that of the row's axis.",),
+            faith=(
+                "That no row of D11 without the column of d is longer, u and v the ratios of the other two moments"
+                " to that of the row's axis.",
+            ),
         ),
         source="(18), Section 5",
-    )  # fmt: skip
+    )
 
 
 @task("pitch over all plausible inputs")
@@ -60,20 +66,26 @@ def pitch_stays_stable(case: Case, results: Results) -> None:
     """
     results.prove(
         build.certificate(
-            "enclosed", id="pitch-stiffness-plausible", paper=case.name, tables=case,
+            "enclosed",
+            id="pitch-stiffness-plausible",
+            tables=case,
             statement="A pitch loop that meets gamma = 100 keeps a positive stiffness under every 10 % change.",
             definitions={
-                "share": "number('inertia_change')", "n": between(case, "orbital_rate"),
-                "Ix": between(case, "inertia_a_x"), "Iz": between(case, "inertia_a_z"),
+                "share": "number('inertia_change')",
+                "n": between(case, "orbital_rate"),
+                "Ix": between(case, "inertia_a_x"),
+                "Iz": between(case, "inertia_a_z"),
                 "least": "sqrt(2)/number('gamma_max') - 3*n**2*share*(Ix + Iz)",
             },
             fields={"formula": "least"},
             quantities={"value": "plausible.pitch_stiffness"},
-            faith=("That a stable loop of pitch which meets a level gamma has a stiffness of at least sqrt 2/gamma, by"
-                   " its response at rest, and that positive stiffness and damping are stability.",),
+            faith=(
+                "That a stable loop of pitch which meets a level gamma has a stiffness of at least sqrt 2/gamma, by"
+                " its response at rest, and that positive stiffness and damping are stability.",
+            ),
         ),
         source="(12), (21), Section 5",
-    )  # fmt: skip
+    )
 
 
 @task("(20) against (21)")
@@ -91,25 +103,30 @@ def not_equivalent(case: Case, results: Results) -> None:
         low, high = (f"{norm * (1 + sign * _ROOM):.8g}" for sign in (-1, 1))
         results.prove(
             build.certificate(
-                "h2", id=f"eq20-{name}", paper=case.name, tables=case,
+                "h2",
+                id=f"eq20-{name}",
+                tables=case,
                 statement=f"Bounds on the H2 norm from w to z_2 of the {name} gain at gamma = 2, pitch, B.",
                 definitions=statements.closed("b", "pitch", formulas[name]),
                 fields={"A": "closed_A", "B": "B1", "C": "closed_C2", "bound": high, "lower": low},
                 witness={"P": (1 + 0.1 * _ROOM) * gramian, "S": (1 - 0.1 * _ROOM) * gramian},
                 quantities={"norm": f"eq20.{name}.pitch"},
             ),
-            source="(20), (21)", values={f"eq20.{name}.pitch": norm},
-        )  # fmt: skip
+            source="(20), (21)",
+            values={f"eq20.{name}.pitch": norm},
+        )
     A, B, C, D, _ = plant.closed(other)
     results.certificate(
         build.certificate(
-            "bounded_real", id="eq20-other-level", paper=case.name, tables=case,
+            "bounded_real",
+            id="eq20-other-level",
+            tables=case,
             statement="The other gain meets gamma = 2, pitch, B.",
             definitions=statements.closed("b", "pitch", formulas["other"]),
             fields={"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11", "gamma": "number('gamma_mixed')"},
             witness={"P": bounded_real_certificate_matrix(A, B, C, D, gamma)},
         )
-    )  # fmt: skip
+    )
     results.say("(20), (21)", f"H2 norm of {_short(shared)}, which (21) gives, above that of {_short(other)}")
 
 

@@ -53,9 +53,12 @@ class Disturbance:
 def disturbance(case: Case, harmonics: int | None = None) -> Disturbance:
     """Read (25) from the tables."""
     return Disturbance(
-        case.number("sine_amplitude"), case.number("step_amplitude"), case.number("step_start"),
-        case.number("step_end"), harmonics or int(case.number("harmonics")),
-    )  # fmt: skip
+        case.number("sine_amplitude"),
+        case.number("step_amplitude"),
+        case.number("step_start"),
+        case.number("step_end"),
+        harmonics or int(case.number("harmonics")),
+    )
 
 
 def release_state(case: Case, axes: Sequence[str] = GROUPS["all"]) -> np.ndarray:
@@ -217,9 +220,16 @@ def difference(nominal: np.ndarray, other: np.ndarray, start: np.ndarray, end: f
 
 
 def nonlinear(
-    satellite: Satellite, K: np.ndarray, start: np.ndarray, end: float, *, limit: float | None = None,
-    torque: Disturbance | None = None, rtol: float = 1e-10, method: str = "DOP853",
-) -> Trajectory:  # fmt: skip
+    satellite: Satellite,
+    K: np.ndarray,
+    start: np.ndarray,
+    end: float,
+    *,
+    limit: float | None = None,
+    torque: Disturbance | None = None,
+    rtol: float = 1e-10,
+    method: str = "DOP853",
+) -> Trajectory:
     """Integrate the nonlinear motion (1) to (5) with the full gravity gradient under u = -K x.
 
     Parameters

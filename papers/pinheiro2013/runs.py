@@ -93,9 +93,13 @@ def release(reconstructed: str, design: str) -> Simulate:
                 both = responses.difference(A, other, start, end, round(end / STEP))
                 apart = both.peak(np.concatenate([angle, -angle]))
                 _extreme(
-                    log, f"difference_{name}_plant_{k + 1}", apart.time, apart.value,
-                    _second(both.A, both.states[0], end, np.concatenate([angle, -angle])), "rad",
-                )  # fmt: skip
+                    log,
+                    f"difference_{name}_plant_{k + 1}",
+                    apart.time,
+                    apart.value,
+                    _second(both.A, both.states[0], end, np.concatenate([angle, -angle])),
+                    "rad",
+                )
         for k in (0, 1):
             states = np.empty_like(nominal.states)
             for i in range(3):
@@ -231,11 +235,15 @@ def _specs() -> Iterator[RunSpec]:
     for name in RECONSTRUCTIONS:
         for design in DESIGNS:
             yield RunSpec(
-                f"{name}_{design}_release", release(name, design), measure_release(name, design),
-            )  # fmt: skip
+                f"{name}_{design}_release",
+                release(name, design),
+                measure_release(name, design),
+            )
             yield RunSpec(
-                f"{name}_{design}_disturbed", disturbed(name, design), measure_disturbed(name, design),
-            )  # fmt: skip
+                f"{name}_{design}_disturbed",
+                disturbed(name, design),
+                measure_disturbed(name, design),
+            )
 
 
 RUNS = tuple(_specs())
@@ -270,9 +278,12 @@ Bears on: what Figures 6 to 14 say of gamma = 0.2, 2 and 100. Angles in the pict
 """
 
 _SCENE = Scene(
-    "Body axes against LVLH, angles drawn larger", "lvlh",
-    elements=("satellite", "torque"), axes=("lvlh", "body"), direction=(2.6, 2.0, 1.4),
-)  # fmt: skip
+    "Body axes against LVLH, angles drawn larger",
+    "lvlh",
+    elements=("satellite", "torque"),
+    axes=("lvlh", "body"),
+    direction=(2.6, 2.0, 1.4),
+)
 #: one wheel on each axis: the bound is that of all three curves
 _WHEEL = (Bound("wheel_torque", "wheel of Table 2, each axis"),)
 LOOK = {
@@ -289,27 +300,58 @@ def _torques(title: str, where: str, bounds: tuple[Bound, ...] = ()) -> Plot:
     return Plot(title, _lines(where, "torque_mN_m", "xyz"), bounds=bounds)
 
 
-LAYOUT = Layout("pinheiro2013", (
-    Tab("Release", Columns(_SCENE, Rows(
-        _angles("Euler angles [deg]", "nominal"),
-        _torques("Control torque [mN m]", "nominal"),
-        _torques("Control torque and the wheel's limit [mN m]", "nominal", _WHEEL),
-    )), runs=RELEASES),
-    Tab("Uncertainty", Rows(
-        *(Plot(f"{name.capitalize()} angle [deg]", _compared(name)) for name in NAMES)
-    ), runs=RELEASES),
-    Tab("Nonlinear", Rows(
-        _angles("Euler angles, nonlinear [deg]", "nonlinear"),
-        _angles("Euler angles, wheels limited [deg]", "nonlinear_limited"),
-        _torques("Control torque, wheels limited [mN m]", "nonlinear_limited", _WHEEL),
-    ), runs=RELEASES),
-    Tab("Disturbed", Columns(_SCENE, Rows(
-        _angles("Euler angles [deg]", "nominal"),
-        Plot("Disturbing torque [mN m]", (Line("/disturbance/torque_mN_m", "each_axis", "each axis", "magnitude"),)),
-    )), runs=DISTURBED),
-    Tab("Nonlinear motion", Rows(
-        _angles("Euler angles, nonlinear [deg]", "nonlinear"),
-        _torques("Control torque, nonlinear [mN m]", "nonlinear"),
-    ), runs=DISTURBED),
-    Tab("About", Columns(Text("About", ABOUT), EventLog())),
-), look=LOOK)  # fmt: skip
+LAYOUT = Layout(
+    "pinheiro2013",
+    (
+        Tab(
+            "Release",
+            Columns(
+                _SCENE,
+                Rows(
+                    _angles("Euler angles [deg]", "nominal"),
+                    _torques("Control torque [mN m]", "nominal"),
+                    _torques("Control torque and the wheel's limit [mN m]", "nominal", _WHEEL),
+                ),
+            ),
+            runs=RELEASES,
+        ),
+        Tab(
+            "Uncertainty",
+            Rows(*(Plot(f"{name.capitalize()} angle [deg]", _compared(name)) for name in NAMES)),
+            runs=RELEASES,
+        ),
+        Tab(
+            "Nonlinear",
+            Rows(
+                _angles("Euler angles, nonlinear [deg]", "nonlinear"),
+                _angles("Euler angles, wheels limited [deg]", "nonlinear_limited"),
+                _torques("Control torque, wheels limited [mN m]", "nonlinear_limited", _WHEEL),
+            ),
+            runs=RELEASES,
+        ),
+        Tab(
+            "Disturbed",
+            Columns(
+                _SCENE,
+                Rows(
+                    _angles("Euler angles [deg]", "nominal"),
+                    Plot(
+                        "Disturbing torque [mN m]",
+                        (Line("/disturbance/torque_mN_m", "each_axis", "each axis", "magnitude"),),
+                    ),
+                ),
+            ),
+            runs=DISTURBED,
+        ),
+        Tab(
+            "Nonlinear motion",
+            Rows(
+                _angles("Euler angles, nonlinear [deg]", "nonlinear"),
+                _torques("Control torque, nonlinear [mN m]", "nonlinear"),
+            ),
+            runs=DISTURBED,
+        ),
+        Tab("About", Columns(Text("About", ABOUT), EventLog())),
+    ),
+    look=LOOK,
+)

@@ -6,23 +6,21 @@ from contextlib import nullcontext
 import numpy as np
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.lmi import Infimum, Solved, infimum, sweep
+from gainsay.lmi import Infimum, infimum
 from gainsay.proof import build
 from gainsay.results import Results, task
 from gainsay.statements import Stated, enclose, prove
 from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_norm
 from gainsay.tables import Case
 from papers.pinheiro2013 import conditions as mixed
-from papers.pinheiro2013 import conditions_gains as gains
 from papers.pinheiro2013 import conditions_pitch as pitch
 from papers.pinheiro2013 import statements
+from papers.pinheiro2013.conditions import AGREE
 from papers.pinheiro2013.plant import GROUPS, RECONSTRUCTIONS, GeneralizedPlant, generalized_plant, reconstruction
+from papers.pinheiro2013.synthesis_sweep import pareto
 
 LEVELS = {"gamma_0.2": "gamma_min", "gamma_2": "gamma_mixed", "gamma_100": "gamma_max"}
 SEPARATE = ("pitch", "roll_yaw")
-PARETO = ("0.15", "0.3", "0.5", "1", "2", "5", "10", "30")
-#: how far two methods may lie apart before neither is believed
-AGREE = 1e-5
 
 
 def plants(case: Case, results: Results | None = None) -> Iterator[tuple[str, str, GeneralizedPlant]]:
@@ -60,9 +58,10 @@ def trace_within(plant: GeneralizedPlant, gamma: float, K: np.ndarray, found: In
     slope = np.abs(mixed.trace_gradient(plant, K, gamma) * np.abs(K)).max() / trace if np.isfinite(trace) else np.inf
     if not found.lower * (1 - AGREE) <= trace <= found.upper * (1 + AGREE) or not slope < STATIONARY:
         raise ComputationError(
-            "(21)", f"the design has the trace {trace!r} with a relative slope of {slope:.1e}, the LMI encloses "
-            f"{found.lower!r}..{found.upper!r}: search it again"
-        )  # fmt: skip
+            "(21)",
+            f"the design has the trace {trace!r} with a relative slope of {slope:.1e}, the LMI encloses "
+            f"{found.lower!r}..{found.upper!r}: search it again",
+        )
     return float(np.sqrt(trace))
 
 
@@ -88,13 +87,17 @@ def levels(case: Case, results: Results) -> None:
         least, K = mixed.gamma_min(plant), mixed.limit_gain(plant)
         norm, _ = hinf_norm(*plant.closed(K)[:4])
         results.quantity(
-            f"{name}.gamma_min.{group}", least, source="(18), (21)",
+            f"{name}.gamma_min.{group}",
+            least,
+            source="(18), (21)",
             method="norm of D11; no gain goes below it, and the norm with a closed-form gain equals it",
-        )  # fmt: skip
+        )
         results.quantity(
-            f"{name}.limit.hinf.{group}", norm, source="(18)",
+            f"{name}.limit.hinf.{group}",
+            norm,
+            source="(18)",
             method="verified Hamiltonian test on the loop with the closed-form gain",
-        )  # fmt: skip
+        )
         if abs(norm / least - 1) > 1e-9:
             raise ComputationError("gamma_min", f"{name}, {group}: norm of D11 {least!r}, reached {norm!r}")
         results.say(f"gamma_min {name} {group}", f"{least:.6f}, reached by a closed-form gain")
@@ -112,10 +115,12 @@ def h2_limit(case: Case, results: Results) -> None:
             if max(abs(norm / found.h2 - 1), np.abs(K / found.K - 1).max()) > 1e-8:
                 raise ComputationError("H2 limit", f"closed form {norm!r}, Riccati {found.h2!r}")
         results.quantity(
-            f"{name}.h2_limit.{group}", found.h2, source="(20) as gamma grows",
+            f"{name}.h2_limit.{group}",
+            found.h2,
+            source="(20) as gamma grows",
             method="Riccati equation and, from its gain, both Gramians"
             + (" and the closed form of a double integrator" if group == "pitch" else ""),
-        )  # fmt: skip
+        )
 
 
 @task("(21) near gamma_min")
@@ -149,9 +154,12 @@ def check_levels(case: Case) -> None:
             if not case.number(parameter) > least:
                 raise InputError(
                     f"level that no state feedback of {group}, reconstruction {name.upper()}, reaches:",
-                    file=f"papers/{case.name}/parameters.csv", row=list(case.parameters).index(parameter) + 2,
-                    field=parameter, value=case.parameters[parameter].value, expected=f"above gamma_min = {least!r}",
-                )  # fmt: skip
+                    file=f"papers/{case.name}/parameters.csv",
+                    row=list(case.parameters).index(parameter) + 2,
+                    field=parameter,
+                    value=case.parameters[parameter].value,
+                    expected=f"above gamma_min = {least!r}",
+                )
 
 
 @task("(21), (22)")
@@ -190,15 +198,21 @@ def _design(
     if group == "pitch":
         for k in (1, 2):
             results.quantity(
-                f"{name}.{level}.k{k}.pitch", K[0, k - 1], source="(22)",
+                f"{name}.{level}.k{k}.pitch",
+                K[0, k - 1],
+                source="(22)",
                 method="stationary point of the Riccati equation's trace over the gains; the LMI agrees",
-            )  # fmt: skip
+            )
     A, B, C, D, C2 = plant.closed(K)
     h2, (hinf, _) = mixed.h2_norm(A, B, C2), hinf_norm(A, B, C, D)
     results.quantity(
-        f"{name}.{level}.sqrt_trace.{group}", sqrt_trace, method=method, source="(21)",
-        lower=min(lower, sqrt_trace), upper=max(upper, sqrt_trace),
-    )  # fmt: skip
+        f"{name}.{level}.sqrt_trace.{group}",
+        sqrt_trace,
+        method=method,
+        source="(21)",
+        lower=min(lower, sqrt_trace),
+        upper=max(upper, sqrt_trace),
+    )
     results.quantity(f"{name}.{level}.h2.{group}", h2, method="both Gramians agree", source="(23)")
     results.quantity(f"{name}.{level}.hinf.{group}", hinf, method="verified Hamiltonian test", source="(23)")
     if level == "gamma_100":
@@ -217,9 +231,14 @@ def as_printed(case: Case, results: Results) -> None:
     stated = Stated(case, [first < 0], label="(21) as printed")
     found = stated.solve()
     prove(
-        results, "eq21.printed.feasible", stated, found, id="eq21-as-printed-infeasible", source="(21)",
+        results,
+        "eq21.printed.feasible",
+        stated,
+        found,
+        id="eq21-as-printed-infeasible",
+        source="(21)",
         sentence="X and Y that satisfy the first LMI of (21) with +gamma^2 I in block (3,3), at gamma = 2, pitch, B",
-    )  # fmt: skip
+    )
     results.say("(21) as printed", type(found).__name__.lower())
 
 
@@ -233,13 +252,23 @@ def certified(case: Case, results: Results) -> None:
         stated = statements.paper_problem(case, plant, "b", group, "number('gamma_mixed')**2")
         sentence = f"solution of (21) with -gamma^2 I in block (3,3) at gamma = 2, {group}, reconstruction B"
         prove(
-            results, f"b.gamma_2.feasible.{group}", stated, found.solved, id=f"eq21-feasible-{group}",
-            sentence=sentence, source="(21)",
-        )  # fmt: skip
+            results,
+            f"b.gamma_2.feasible.{group}",
+            stated,
+            found.solved,
+            id=f"eq21-feasible-{group}",
+            sentence=sentence,
+            source="(21)",
+        )
         enclose(
-            results, f"b.gamma_2.trace.{group}", stated, found, id=f"eq21-least-trace-{group}",
-            sentence=f"trace of Q over (21) corrected at gamma = 2, {group}, reconstruction B", source="(21)",
-        )  # fmt: skip
+            results,
+            f"b.gamma_2.trace.{group}",
+            stated,
+            found,
+            id=f"eq21-least-trace-{group}",
+            sentence=f"trace of Q over (21) corrected at gamma = 2, {group}, reconstruction B",
+            source="(21)",
+        )
         results.say(f"(21) corrected, {group}", "feasible at gamma = 2, point certified")
 
 
@@ -252,14 +281,25 @@ def bounds(case: Case, results: Results) -> None:
             K = case.designs[f"{name}_{short}"][f"K_{group}"]
             A, B, C, D, _ = plant.closed(K)
             gamma = case.number(parameter)
-            results.certificate(build.certificate(
-                "bounded_real", id=f"eq23-hinf-{name}-{short}-{group}", paper=case.name, tables=case,
-                statement=f"The H-infinity norm from w to z_inf is below gamma = {gamma:g}, {group}, {name.upper()}.",
-                definitions=statements.closed(name, group, f"design('{name}_{short}', 'K_{group}')"),
-                fields={"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11", "gamma": f"number('{parameter}')"},
-                witness={"P": bounded_real_certificate_matrix(A, B, C, D, gamma)},
-                quantities={"norm": f"{name}.{level}.hinf.{group}"},
-            ))  # fmt: skip
+            results.certificate(
+                build.certificate(
+                    "bounded_real",
+                    id=f"eq23-hinf-{name}-{short}-{group}",
+                    tables=case,
+                    statement=f"The H-infinity norm from w to z_inf is below gamma = {gamma:g}, {group}, "
+                    f"{name.upper()}.",
+                    definitions=statements.closed(name, group, f"design('{name}_{short}', 'K_{group}')"),
+                    fields={
+                        "A": "closed_A",
+                        "B": "B1",
+                        "C": "closed_C1",
+                        "D": "D11",
+                        "gamma": f"number('{parameter}')",
+                    },
+                    witness={"P": bounded_real_certificate_matrix(A, B, C, D, gamma)},
+                    quantities={"norm": f"{name}.{level}.hinf.{group}"},
+                )
+            )
     results.say("(23)", "H-infinity bounds certified for twelve loops")
 
 
@@ -276,34 +316,44 @@ def gamma_min_certified(case: Case, results: Results) -> None:
     first = statements.corrected_21(statements.sizes(plant), statements.pitch("b"), level)
     results.prove(
         build.farkas(
-            id="below-gamma-min-infeasible", paper=case.name,
+            id="below-gamma-min-infeasible",
             statement="No state feedback for pitch, B, satisfies (21) corrected at 0.999999 of the norm of D11.",
-            multipliers={first.label: multiplier}, quantities={"feasible": "b.below_gamma_min.feasible"},
+            multipliers={first.label: multiplier},
+            quantities={"feasible": "b.below_gamma_min.feasible"},
             **Stated(case, [first < 0]).parts(),
         ),
         source="(21)",
-    )  # fmt: skip
+    )
     for name, group, plant in plants(case, results):
         K = case.designs[f"{name}_limit_{group}"]["K"]
         least = "sqrt(channels@channels.T)" if group == "pitch" else _largest_row()
         definitions = {**statements.PLANTS[group](name), "least": least}
-        results.certificate(build.certificate(
-            "enclosed", id=f"gamma-min-{name}-{group}", paper=case.name, tables=case, definitions=definitions,
-            statement=f"The norm of D11, hence the infimum of the level, {group}, reconstruction {name.upper()}.",
-            fields={"formula": "least"}, quantities={"value": f"{name}.gamma_min.{group}"},
-
-            faith=("That no state feedback goes below the norm of D11, the response at infinite frequency.",),
-        ))  # fmt: skip
+        results.certificate(
+            build.certificate(
+                "enclosed",
+                id=f"gamma-min-{name}-{group}",
+                tables=case,
+                definitions=definitions,
+                statement=f"The norm of D11, hence the infimum of the level, {group}, reconstruction {name.upper()}.",
+                fields={"formula": "least"},
+                quantities={"value": f"{name}.gamma_min.{group}"},
+                faith=("That no state feedback goes below the norm of D11, the response at infinite frequency.",),
+            )
+        )
         gamma = mixed.gamma_min(plant) * (1 + 1e-6)
         A, B, C, D, _ = plant.closed(K)
-        results.certificate(build.certificate(
-            "bounded_real", id=f"gamma-min-reached-{name}-{group}", paper=case.name, tables=case,
-            statement=f"A closed-form gain comes within a millionth of the norm of D11, {group}, {name.upper()}.",
-            definitions=statements.closed(name, group, f"design('{name}_limit_{group}', 'K')"),
-            fields={"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11", "gamma": f"{gamma:.12g}"},
-            witness={"P": bounded_real_certificate_matrix(A, B, C, D, gamma)},
-            quantities={"norm": f"{name}.limit.hinf.{group}"},
-        ))  # fmt: skip
+        results.certificate(
+            build.certificate(
+                "bounded_real",
+                id=f"gamma-min-reached-{name}-{group}",
+                tables=case,
+                statement=f"A closed-form gain comes within a millionth of the norm of D11, {group}, {name.upper()}.",
+                definitions=statements.closed(name, group, f"design('{name}_limit_{group}', 'K')"),
+                fields={"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11", "gamma": f"{gamma:.12g}"},
+                witness={"P": bounded_real_certificate_matrix(A, B, C, D, gamma)},
+                quantities={"norm": f"{name}.limit.hinf.{group}"},
+            )
+        )
     results.say("gamma_min", "certified from both sides")
 
 
@@ -311,46 +361,6 @@ def _largest_row() -> str:
     # The rows of D11 have no column in common, so its norm is that of the longer row; Iz is the least moment in both
     # reconstructions, which makes yaw the longer one.
     return "sqrt(rows[1, 0:14]@rows[1, 0:14].T)"
-
-
-@task("gamma sweep")
-def pareto(case: Case, results: Results) -> None:
-    """Follow the least H2 norm over gamma: one shared X as in (21), and the true optimum over the two gains."""
-    plant = generalized_plant(reconstruction(case, "b"), "pitch")
-    values = [float(level) for level in PARETO]
-    found = dict(sweep(lambda gamma: mixed.mixed_program(plant, gamma), values))
-    count = len(values)
-    stationary, _ = gains.least_trace_gains(gains.stack([plant] * count, values, [mixed.limit_gain(plant)] * count))
-    for level, gamma, K in zip(PARETO, values, stationary, strict=True):
-        outcome = found[gamma]
-        if not isinstance(outcome, Solved):
-            raise ComputationError("gamma sweep", f"no solution at gamma = {gamma!r}", outcome.attempts)
-        trace, (A, B, _, _, C2) = mixed.trace_of_gain(plant, K, gamma), plant.closed(K)
-        if not abs(trace / outcome.objective - 1) < AGREE:
-            raise ComputationError(
-                "gamma sweep", f"traces {outcome.objective!r} by the LMI, {trace!r} by Newton's method"
-            )
-        shared = mixed.h2_norm(A, B, C2)
-        gain, true = pitch.true_optimum(plant, gamma)
-        A, B, C, D, C2 = plant.closed(gain)
-        if abs(mixed.h2_norm(A, B, C2) / true - 1) > 1e-8 or hinf_norm(A, B, C, D)[0] > gamma * (1 + 1e-8):
-            raise ComputationError("gamma sweep", f"closed forms at gamma = {gamma!r} disagree with the norms")
-        results.quantity(
-            f"b.pareto.gamma_{level}.shared", shared, source="(20), (21)",
-            method="H2 norm of the stationary gain of the trace of Q; one LMI program for all levels agrees",
-        )  # fmt: skip
-        results.quantity(
-            f"b.pareto.gamma_{level}.true", true, source="(20)",
-            method="closed forms of both norms in the two gains, minimised along the active level",
-        )  # fmt: skip
-        if true > shared * (1 + 1e-9):
-            raise ComputationError("gamma sweep", f"optimum {true!r} above the shared-X design {shared!r}")
-        if level == "2":
-            results.quantity(
-                "b.gamma_2.shared_excess.pitch", shared / true - 1, source="(20), (21)",
-                method="H2 norm of the gain of least trace over the least H2 norm at the same level",
-            )  # fmt: skip
-    results.say("gamma sweep", f"{len(values)} levels from {values[0]:g} to {values[-1]:g}")
 
 
 TASKS = (levels, h2_limit, limits, designs, as_printed, certified, bounds, gamma_min_certified, pareto)

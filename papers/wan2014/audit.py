@@ -9,15 +9,15 @@ import numpy as np
 from flint import arb, arb_mat, fmpq, fmpq_mat
 from scipy.linalg import solve_continuous_lyapunov
 
-from gainsay.dynamics.relative_orbit import clohessy_wiltshire, relative_acceleration
+from gainsay.dynamics.relative_orbit import clohessy_wiltshire
 from gainsay.exact.ball import precision
 from gainsay.proof import Certificate, build
 from gainsay.results import Results, task
-from gainsay.simulation.ode import integrate
 from gainsay.statements import identical
 from gainsay.systems.pole_sets import match_poles, pole_clusters
 from gainsay.tables import Case
 from papers.wan2014 import plant
+from papers.wan2014.audit_models import first_order, model_accuracy
 from papers.wan2014.scans import over_starts, start_boundary
 from papers.wan2014.statements import A_FORMULA
 
@@ -34,12 +34,17 @@ def mean_motion(case: Case, results: Results) -> None:
     """Enclose n from the perigee radius and e over every plausible gravitational parameter."""
     low, high = case.parameters["gravitational_parameter"].plausible.split("..")
     proved = build.certificate(
-        "enclosed", id="mean-motion", paper=case.name, tables=case,
+        "enclosed",
+        id="mean-motion",
+        tables=case,
         statement=f"sqrt(mu / a^3), a = r_p / (1 - e), for every mu in {low}..{high} km^3/s^2.",
-        definitions=(("mu", f"interval({low}, {high}) * 10**9"),
-                     ("a", "number('perigee_radius') / (1 - number('eccentricity'))")),
-        fields={"formula": "sqrt(mu / a**3)"}, quantities={"value": "audit.mean_motion"},
-    )  # fmt: skip
+        definitions=(
+            ("mu", f"interval({low}, {high}) * 10**9"),
+            ("a", "number('perigee_radius') / (1 - number('eccentricity'))"),
+        ),
+        fields={"formula": "sqrt(mu / a**3)"},
+        quantities={"value": "audit.mean_motion"},
+    )
     results.certificate(proved)
     least, most = map(Fraction, str(proved.conclusions[-1].value).split(".."))
     results.enclosed("audit.mean_motion", least, most, method="certificate mean-motion", source="Section 4")
@@ -70,12 +75,10 @@ def observability(case: Case, results: Results) -> None:
         C = fmpq_mat([[int(i == j and measured[i]) for j in range(6)] for i in range(6)])
         count += observability_rank(A, C) == 6
     exactly = "rank of the observability matrix in rationals"
-    results.enclosed("audit.observable_outputs", Fraction(count), Fraction(count), method=exactly,
-                     source="Section 4")  # fmt: skip
+    results.enclosed("audit.observable_outputs", Fraction(count), Fraction(count), method=exactly, source="Section 4")
     rows = [[fmpq(x.numerator, x.denominator) for x in row] for row in case.printed("C").exact]
     rank = observability_rank(A, fmpq_mat(rows))
-    results.enclosed("audit.observability_rank", Fraction(rank), Fraction(rank), method=exactly,
-                     source="(39)")  # fmt: skip
+    results.enclosed("audit.observability_rank", Fraction(rank), Fraction(rank), method=exactly, source="(39)")
     results.say("(6), (39)", f"{count} of 64 output matrices observable; (39) has rank {rank}")
 
 
@@ -109,7 +112,6 @@ def factorisation(case: Case, results: Results) -> None:
         build.certificate(
             "not_definite",
             id="eq3-strict-bound",
-            paper=case.name,
             tables=case,
             statement="Lambda' Lambda < I fails at M = 0: its third diagonal entry cos M is then 1.",
             definitions=(("Lambda", "diag(0, 0, 1, 1, -0.5, 1)"),),
@@ -130,16 +132,25 @@ def enclosed(
     """Enclose a measure of the eigenvalues of a matrix by a certificate; the quantity is the double in the middle."""
     measure = fields["measure"]
     proved = build.certificate(
-        "eigenvalues", id=id, paper=case.name, tables=case, statement=statement, definitions=DEFINITIONS,
-        fields=fields, quantities={measure: quantity},
-    )  # fmt: skip
+        "eigenvalues",
+        id=id,
+        tables=case,
+        statement=statement,
+        definitions=DEFINITIONS,
+        fields=fields,
+        quantities={measure: quantity},
+    )
     results.certificate(proved)
     low, high = map(Fraction, str(proved.conclusions[-1].value).split(".."))
     value = float((low + high) / 2)
     results.quantity(
-        quantity, value, lower=min(np.nextafter(value, -np.inf), float(low)), source=source,
-        upper=max(np.nextafter(value, np.inf), float(high)), method=f"certificate {id}, all eigenvalues enclosed",
-    )  # fmt: skip
+        quantity,
+        value,
+        lower=min(np.nextafter(value, -np.inf), float(low)),
+        source=source,
+        upper=max(np.nextafter(value, np.inf), float(high)),
+        method=f"certificate {id}, all eigenvalues enclosed",
+    )
 
 
 def pole_points(case: Case) -> list[list[str]]:
@@ -162,22 +173,43 @@ def observer_poles(case: Case, results: Results) -> None:
     clusters = pole_clusters(A, rounding @ np.abs(C) + _depends_on_rate() * RATE_ROUNDING)
     matched = match_poles([complex(float(re.value), float(im.value)) for re, im in printed.rows], clusters)
     results.poles(
-        "(40)", published=printed, recomputed=[complex(c.centre.real, abs(c.centre.imag)) for c in matched],
+        "(40)",
+        published=printed,
+        recomputed=[complex(c.centre.real, abs(c.centre.imag)) for c in matched],
         radius=[c.radius for c in matched],
-    )  # fmt: skip
+    )
     enclosed(
-        case, results, "audit.observer_pole_error", "Distance of the poles of A - LC from (40), best matching.",
-        id="eq40-distance", source="(40), (41)", matrix=OBSERVER_FORMULA, measure="matching", points=pole_points(case),
-    )  # fmt: skip
+        case,
+        results,
+        "audit.observer_pole_error",
+        "Distance of the poles of A - LC from (40), best matching.",
+        id="eq40-distance",
+        source="(40), (41)",
+        matrix=OBSERVER_FORMULA,
+        measure="matching",
+        points=pole_points(case),
+    )
     enclosed(
-        case, results, "observer.pole_error_corrected", "The same with -0.0025 for the entry -0.025 of L.",
-        id="eq40-distance-corrected", source="(40), (41)", measure="matching", points=pole_points(case),
+        case,
+        results,
+        "observer.pole_error_corrected",
+        "The same with -0.0025 for the entry -0.025 of L.",
+        id="eq40-distance-corrected",
+        source="(40), (41)",
+        measure="matching",
+        points=pole_points(case),
         matrix=f"{OBSERVER_FORMULA} - 0.0225 * unit(6, 1) @ unit(6, 0).T",
-    )  # fmt: skip
+    )
     enclosed(
-        case, results, "audit.observer_abscissa", "Spectral abscissa of A - LC with the printed L.",
-        id="observer-abscissa", source="(41)", matrix=OBSERVER_FORMULA, measure="abscissa",
-    )  # fmt: skip
+        case,
+        results,
+        "audit.observer_abscissa",
+        "Spectral abscissa of A - LC with the printed L.",
+        id="observer-abscissa",
+        source="(41)",
+        matrix=OBSERVER_FORMULA,
+        measure="abscissa",
+    )
     missed = []
     for number, (row, cluster) in enumerate(zip(printed.rows, matched, strict=True), start=1):
         place = complex(float(row[0].value), float(row[1].value))
@@ -187,7 +219,6 @@ def observer_poles(case: Case, results: Results) -> None:
             build.certificate(
                 "not_an_eigenvalue",
                 id=f"eq40-pole-pair-{number}",
-                paper=case.name,
                 tables=case,
                 statement=f"{row[0].text} + j{row[1].text} is no pole of A - LC for any L, n that round as printed.",
                 definitions=(("n", "interval(0.001125, 0.001135)"), ("A", A_FORMULA), ("L", "box('L')")),
@@ -196,13 +227,22 @@ def observer_poles(case: Case, results: Results) -> None:
             )
         )
         missed.append(row[0].text)
-    results.quantity("eq40.poles_placed", int(not missed), method="regularity of s I - A + LC over the printed digits",
-                     source="(40), (41)")  # fmt: skip
+    results.quantity(
+        "eq40.poles_placed",
+        int(not missed),
+        method="regularity of s I - A + LC over the printed digits",
+        source="(40), (41)",
+    )
     results.certificate(
         half_plane(
-            case, "observer-stable", ("A - LC", OBSERVER_FORMULA), A, "-0.4", "audit.observer_abscissa",
+            case,
+            "observer-stable",
+            ("A - LC", OBSERVER_FORMULA),
+            A,
+            "-0.4",
+            "audit.observer_abscissa",
         )
-    )  # fmt: skip
+    )
     results.say("(40), (41)", f"{len(missed)} of 3 pole pairs of (40) missed; stable")
 
 
@@ -215,7 +255,6 @@ def half_plane(
     return build.certificate(
         "lyapunov",
         id=id,
-        paper=case.name,
         tables=case,
         statement=f"Every eigenvalue of {name}, with the printed gains, has a real part below {alpha} 1/s.",
         definitions=DEFINITIONS,
@@ -231,9 +270,15 @@ def feedback_poles(case: Case, results: Results) -> None:
     model = plant.design_model(case)
     closed = model.A - model.B @ case.matrix("K")
     enclosed(
-        case, results, "audit.feedback_abscissa", "Spectral abscissa of A - BK with the printed K.",
-        id="feedback-abscissa", source="(44)", matrix="A - B @ printed('K')", measure="abscissa",
-    )  # fmt: skip
+        case,
+        results,
+        "audit.feedback_abscissa",
+        "Spectral abscissa of A - BK with the printed K.",
+        id="feedback-abscissa",
+        source="(44)",
+        matrix="A - B @ printed('K')",
+        measure="abscissa",
+    )
     results.certificate(
         half_plane(case, "feedback-stable", ("A - BK", "A - B @ printed('K')"), closed, "0", "audit.feedback_abscissa")
     )
@@ -252,10 +297,12 @@ def interval_gain(case: Case) -> list[list[arb]]:
 
     def box(name: str) -> arb_mat:
         printed = case.printed(name)
-        return arb_mat([
-            [_ball(value, half) for value, half in zip(*rows, strict=True)]
-            for rows in zip(printed.exact, printed.half_units, strict=True)
-        ])  # fmt: skip
+        return arb_mat(
+            [
+                [_ball(value, half) for value, half in zip(*rows, strict=True)]
+                for rows in zip(printed.exact, printed.half_units, strict=True)
+            ]
+        )
 
     with precision(128):
         return (box("Y") * box("X").inv()).tolist()
@@ -268,88 +315,28 @@ def gain_rounding(case: Case, results: Results) -> None:
     computed = Y * X.inv()
     ratios = [abs(a / b) for a, b in zip(computed.entries(), K.entries(), strict=True)]
     ratio = max(max(r, 1 / r) for r in ratios)
-    results.quantity("audit.gain_ratio", int(ratio.p) / int(ratio.q),
-                     method="largest factor between K and Y X^-1, entry by entry, in rationals",
-                     source="(43), (44)")  # fmt: skip
+    results.quantity(
+        "audit.gain_ratio",
+        int(ratio.p) / int(ratio.q),
+        method="largest factor between K and Y X^-1, entry by entry, in rationals",
+        source="(43), (44)",
+    )
     enclosure, printed = interval_gain(case), case.printed("K")
     inside = sum(
         enclosure[i][j].overlaps(_ball(printed.exact[i][j], printed.half_units[i][j]))
         for i in range(3)
         for j in range(6)
     )
-    results.quantity("audit.gain_entries_explained", inside, source="(43), (44)",
-                     method="entries of K inside the ball enclosure of Y X^-1 over the rounding box")  # fmt: skip
+    results.quantity(
+        "audit.gain_entries_explained",
+        inside,
+        source="(43), (44)",
+        method="entries of K inside the ball enclosure of Y X^-1 over the rounding box",
+    )
     results.say(
         "(43), (44)",
         f"Y X^-1 off by a factor up to {int(ratio.p) / int(ratio.q):.1f}; rounding explains {inside} of 18 entries",
     )
-
-
-def model_errors(case: Case, end: float = 3000.0) -> dict[str, float]:
-    """Return the largest position errors of model (1) and of its circular part against the two-body problem, m.
-
-    The chaser drifts without thrust from the printed initial state; both models use the mean motion of the orbit.
-    """
-    orbit, e = plant.target_orbit(case), case.number("eccentricity")
-    n = orbit.mean_motion
-    A, x0 = clohessy_wiltshire(n), case.matrix("x0").ravel()
-
-    def two_body(t: float, state: np.ndarray) -> np.ndarray:
-        x = state[:6].tolist()
-        pull = relative_acceleration(orbit, state[6], tuple(x[:3]), tuple(x[3:]))
-        return np.array([*x[3:], *pull, orbit.angular_momentum / orbit.radius(state[6]) ** 2])
-
-    time = np.linspace(0, end, 301)
-    truth = integrate(two_body, np.append(x0, 0.0), end, rtol=1e-11, atol=1e-9)(time)[:, :3]
-    models = {
-        "noncircular": lambda t, x: (A + plant.noncircular_part(e, n, n * t)) @ x,
-        "circular": lambda t, x: A @ x,
-    }
-    return {
-        name: float(np.max(np.linalg.norm(integrate(f, x0, end, rtol=1e-11, atol=1e-9)(time)[:, :3] - truth, axis=1)))
-        for name, f in models.items()
-    }
-
-
-@task("(2)")
-def first_order(case: Case, results: Results) -> None:
-    """Prove that (2) is the linearised motion about an elliptic orbit to first order in e."""
-    w, a = "rate", "acceleration"
-    results.prove(
-        identical(
-            case,
-            "eq2.first_order",
-            "The rows of the accelerations in A + Delta A of (2) are those of the motion linearised about an "
-            "elliptic orbit, to first order in e (s = sin M, c = cos M).",
-            "col(row_x, row_y, row_z)",
-            f"col([[{w}**2 + 2*g, {a}, 0, 0, 2*{w}, 0]], [[-{a}, {w}**2 - g, 0, -2*{w}, 0, 0]], [[0, 0, -g, 0, 0, 0]])",
-            "e n s c",
-            definitions=(
-                # r = a (1 - e c); g = mu / r^3; rate of the true anomaly n (a/r)^2, its derivative -2 e n^2 s
-                ("inverse_radius", "1 + e*c"),
-                ("g", "n**2 * inverse_radius**3"),
-                ("rate", "n * inverse_radius**2"),
-                ("acceleration", "-2*e*n**2*s"),
-                ("row_x", "[[3*n**2 + 10*e*n**2*c, -2*e*n**2*s, 0, 0, 2*n + 4*e*n*c, 0]]"),
-                ("row_y", "[[2*e*n**2*s, e*n**2*c, 0, -2*n - 4*e*n*c, 0, 0]]"),
-                ("row_z", "[[0, 0, -n**2 - 3*e*n**2*c, 0, 0, 0]]"),
-            ),
-            modulo=["e**2"],
-            at={"e": "0", "s": "0"},
-            faith=("That r = a (1 - e cos M) to first order in e, from Kepler's equation.",),
-        ),
-        source="(2)",
-    )
-    results.say("(2)", "has every term of first order in e")
-
-
-@task("(1), (2)")
-def model_accuracy(case: Case, results: Results) -> None:
-    """Set model (1) and the model of a circular orbit beside the two-body problem."""
-    for name, error in model_errors(case).items():
-        results.quantity(f"audit.model_error.{name}", error, source="Section 2.1",
-                         method="largest position error over 3000 s of free drift, 301 samples")  # fmt: skip
-        results.say("(1), (2)", f"{name} model errs by {error:.4g} m in 3000 s")
 
 
 TASKS = (

@@ -61,8 +61,11 @@ def starts(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw thrust along y under three starts of the estimate that the text allows, whole and near the bounds."""
     titles = ["all of it", "near the bounds"]
     grid = panels(figure, ["$f_y$ [N]"] * 2, titles=titles, columns=2, share_time=False)
-    named = (("nominal", "estimate starts at the measured position", "nominal"),
-             ("exact_start", "at the true state", "comparison"), ("blind_start", "at zero", "perturbed"))  # fmt: skip
+    named = (
+        ("nominal", "estimate starts at the measured position", "nominal"),
+        ("exact_start", "at the true state", "comparison"),
+        ("blind_start", "at zero", "perturbed"),
+    )
     limit = case.number("thrust_max_y")
     for panel in grid:
         for run, label, role in named:
@@ -93,8 +96,6 @@ FIGURES = (
     FigureSpec("figure_3", ("nominal",), velocities),
     FigureSpec("figure_4", ("nominal",), thrusts, 5.0),
     FigureSpec("figure_5", ("nominal",), trajectory),
-    FigureSpec("starts", ("nominal", "exact_start", "blind_start"),
-               starts),
-    FigureSpec("designs", ("nominal", "repaired", "lqr"),
-               designs),
-)  # fmt: skip
+    FigureSpec("starts", ("nominal", "exact_start", "blind_start"), starts),
+    FigureSpec("designs", ("nominal", "repaired", "lqr"), designs),
+)

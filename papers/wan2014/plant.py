@@ -40,9 +40,11 @@ def design_model(case: Case) -> DesignModel:
     n, e = case.number("mean_motion"), case.number("eccentricity")
     E2 = case.matrix("E2_coefficient") * n ** case.matrix("E2_power")
     return DesignModel(
-        clohessy_wiltshire(n), thrust_input(case.number("mass")), e * case.matrix("E1_over_e"),
+        clohessy_wiltshire(n),
+        thrust_input(case.number("mass")),
+        e * case.matrix("E1_over_e"),
         np.where(case.matrix("E2_coefficient") == 0, 0.0, E2),
-    )  # fmt: skip
+    )
 
 
 def uncertainty(mean_anomaly: float) -> np.ndarray:
@@ -197,8 +199,9 @@ class ClosedLoop:
         anomaly = true_anomaly(self.case.number("mean_anomaly_at_start"), self.case.number("eccentricity"))
         start = np.concatenate([x0, estimate, [anomaly, 0.0, 0.0, 0.0]])
         size = np.concatenate([np.full(3, 1.0), np.full(3, 1e-2), np.full(3, 1.0), np.full(3, 1e-2), [1, 1e6, 1, 1e3]])
-        return integrate(self.right_hand_side(), start, end, rtol=rtol, atol=rtol * size, method=method,
-                         kinks=self.kinks())  # fmt: skip
+        return integrate(
+            self.right_hand_side(), start, end, rtol=rtol, atol=rtol * size, method=method, kinks=self.kinks()
+        )
 
 
 def true_anomaly(mean_anomaly: float, eccentricity: float) -> float:

@@ -46,7 +46,6 @@ def infeasible_14(case: Case, solution: Mapping[str, Any], edition: str = "print
     printed = edition == "printed"
     return build.farkas(
         id="eq14-infeasible" if printed else "eq14-corrected-infeasible",
-        paper=case.name,
         statement=f"No X > 0, Y and eps > 0 satisfy (14){'' if printed else ' with one input column'} with the printed "
         "L, whatever Q, R, m and e: its first two block rows and columns already have no solution.",
         **{**parts, "fields": {**parts["fields"], "congruences": {"eps > 0": "e"}}},
@@ -66,11 +65,10 @@ def wrong_diagonal(case: Case) -> Certificate:
     return build.certificate(
         "farkas",
         id="eq14-printed-diagonal",
-        paper=case.name,
         statement="No X that rounds to (43) and no eps > 0 make the diagonal of block (2,2) of (14) negative in row 4.",
         tables=case,
         definitions={**OBSERVER, "E1": "number('eccentricity')*printed('E1_over_e')"},
-        unknowns={"X": SYMMETRIC_6, "eps": {}},
+        unknowns={"X": SYMMETRIC_6, "eps": scalar().entry()},
         fields={
             "constraints": [["row 4", f"({EQ14.block('e', 'e')})[3,3] < 0"], ["eps", "eps > 0"]],
             "boxes": {"X": "X"},
@@ -84,9 +82,14 @@ def quadratic(case: Case, gain: str, solution: Mapping[str, Any], *, statement: 
     """Prove what a 12x12 Lyapunov matrix with one multiplier a channel says of every |Lambda_ii(t)| <= 1."""
     witness = {"P": solution["P"]} | {f"D{i + 1}": [[float(s)]] for i, s in enumerate(np.diagonal(solution["S"]))}
     return build.certificate(
-        "quadratic_bound", paper=case.name, tables=case, definitions=closed_loop(case, gain), fields=SYSTEM | fields,
-        statement=statement, witness=witness, **more,
-    )  # fmt: skip
+        "quadratic_bound",
+        tables=case,
+        definitions=closed_loop(case, gain),
+        fields=SYSTEM | fields,
+        statement=statement,
+        witness=witness,
+        **more,
+    )
 
 
 def cost_certificate(
@@ -97,10 +100,14 @@ def cost_certificate(
     xi0 = np.vstack([start, np.zeros((3, 1)), start[3:]])
     bound = float((xi0.T @ solution["P"] @ xi0)[0, 0])
     return quadratic(
-        case, gain, solution, id=id, quantities=quantities,
+        case,
+        gain,
+        solution,
+        id=id,
+        quantities=quantities,
         statement="J of (4) is at most this bound on model (1) with observer (7), for every |Lambda_ii(t)| <= 1.",
         fields={"Q": "weight", "cost": f"{bound * (1 + 1e-8):.10e}"},
-    )  # fmt: skip
+    )
 
 
 def thrust_certificate(
@@ -109,10 +116,14 @@ def thrust_certificate(
     """Prove a bound on the thrust along an axis from xi(0); `solution` is that of `statements.thrust_bound`."""
     bound = float(np.sqrt(solution["square"])) * (1 + 1e-7)
     return quadratic(
-        case, gain, solution, id=id, quantities={"thrust": quantity},
+        case,
+        gain,
+        solution,
+        id=id,
+        quantities={"thrust": quantity},
         statement=f"|f_{AXES[axis]}| stays below this bound on model (1) with observer (7), if |Lambda_ii(t)| <= 1.",
         fields={"inputs": [{"of": "thrust", "row": f"k[{axis},0:12]", "bound": f"{bound:.10e}"}]},
-    )  # fmt: skip
+    )
 
 
 def input_counted_twice(case: Case) -> Certificate:
@@ -135,7 +146,6 @@ def infeasible_29(case: Case) -> Certificate:
     return build.certificate(
         "farkas",
         id="eq29-infeasible",
-        paper=case.name,
         statement="No rho > 0 and P satisfy (29) as printed: its first diagonal entry is rho.",
         witness={"(29)": [["1" if i == j == 0 else "0" for j in range(13)] for i in range(13)], "rho > 0": "1"},
         quantities={"feasible": "eq29.feasible"},
@@ -162,12 +172,13 @@ def consistent_digits(case: Case, X: np.ndarray, K: np.ndarray) -> Certificate:
     """Prove that (43) and (44) agree: some X, Y and K within their printed digits satisfy Y = K X exactly."""
     exact_x = [[shorten(float(x), 12) for x in row] for row in (X + X.T) / 2]
     exact_k = [[shorten(float(x), 12) for x in row] for row in K]
-    product = [[sum(k * x for k, x in zip(row, column, strict=True)) for column in zip(*exact_x, strict=True)]
-               for row in exact_k]  # fmt: skip
+    product = [
+        [sum(k * x for k, x in zip(row, column, strict=True)) for column in zip(*exact_x, strict=True)]
+        for row in exact_k
+    ]
     return build.certificate(
         "linear_box",
         id="eq44-consistent",
-        paper=case.name,
         statement="X and Y that round to (43) and K that rounds to (44) satisfy K X = Y.",
         tables=case,
         unknowns={"X": SYMMETRIC_6, "Y": GAIN, "K": GAIN},
@@ -197,15 +208,19 @@ def largest(results: Results, quantity: str, stated: Stated, formula: str, *, id
     parts["fields"].pop("minimise", None)
     labels = {constraint.label for constraint in stated.constraints}
     below = build.feasible_point(
-        id=f"{id}-below", paper=results.case.name, statement=f"{statement}: a point bounds it from below.",
-        point={name: found.solved.values[name] for name in stated.unknowns}, quantities={"objective": quantity},
+        id=f"{id}-below",
+        statement=f"{statement}: a point bounds it from below.",
+        point={name: found.solved.values[name] for name in stated.unknowns},
+        quantities={"objective": quantity},
         **parts,
-    )  # fmt: skip
+    )
     above = build.dual_bound(
-        id=f"{id}-above", paper=results.case.name, statement=f"{statement}: multipliers bound it from above.",
+        id=f"{id}-above",
+        statement=f"{statement}: multipliers bound it from above.",
         multipliers={n: np.atleast_2d(z) for n, z in found.multipliers.items() if n in labels},
-        quantities={"objective": quantity}, **parts,
-    )  # fmt: skip
+        quantities={"objective": quantity},
+        **parts,
+    )
     for certificate in (below, above):
         results.certificate(certificate)
     return found, {end: float(c.conclusions[-1].value or "nan") for end, c in (("lower", below), ("upper", above))}
@@ -214,6 +229,10 @@ def largest(results: Results, quantity: str, stated: Stated, formula: str, *, id
 def margin(results: Results) -> Any:
     """Enclose the margin of the refutation of (14)."""
     return largest(
-        results, "farkas.margin", farkas_multipliers(results.case), "level", id="farkas-margin",
+        results,
+        "farkas.margin",
+        farkas_multipliers(results.case),
+        "level",
+        id="farkas-margin",
         statement="Margin with which multipliers of trace one refute (14)",
-    )  # fmt: skip
+    )

@@ -168,7 +168,7 @@ RUNS = (
     RunSpec("resynthesised", designed("resynthesised"), measure("run.resynthesised", FULL)),
     RunSpec("repaired", designed("repaired"), measure("run.repaired", FULL)),
     RunSpec("lqr", designed("lqr"), measure("run.lqr", FULL)),
-)  # fmt: skip
+)
 
 
 def _axes(topic: str, fields: tuple[str, ...], suffix: str = "", label: str = "") -> tuple[Line, ...]:
@@ -204,33 +204,67 @@ LOOK = {
 }
 _BOUNDS = (Bound("thrust_x", "fx, fy: 40 N", "axis_1"), Bound("thrust_z", "fz: 20 N", "axis_3"))
 
-LAYOUT = Layout("wan2014", (
-    Tab("Rendezvous", Columns(
-        Scene("Relative trajectory, LVLH", "lvlh",
-              elements=("trajectory", "estimated_trajectory", "thrust", "chaser", "target"),
-              axes=("lvlh", "chaser")),
-        Rows(
-            Plot("Relative position [m]", _axes("/chaser/state", ("x", "y", "z")), until=_SHOWN),
-            Plot("Relative velocity [m/s]", _axes("/chaser/state", ("vx", "vy", "vz")), until=_SHOWN),
-            Plot("Thrust [N]", _axes("/chaser/thrust", AXES), until=_SHOWN, bounds=_BOUNDS),
+LAYOUT = Layout(
+    "wan2014",
+    (
+        Tab(
+            "Rendezvous",
+            Columns(
+                Scene(
+                    "Relative trajectory, LVLH",
+                    "lvlh",
+                    elements=("trajectory", "estimated_trajectory", "thrust", "chaser", "target"),
+                    axes=("lvlh", "chaser"),
+                ),
+                Rows(
+                    Plot("Relative position [m]", _axes("/chaser/state", ("x", "y", "z")), until=_SHOWN),
+                    Plot("Relative velocity [m/s]", _axes("/chaser/state", ("vx", "vy", "vz")), until=_SHOWN),
+                    Plot("Thrust [N]", _axes("/chaser/thrust", AXES), until=_SHOWN, bounds=_BOUNDS),
+                ),
+                shares=(1, 1),
+            ),
         ),
-        shares=(1, 1))),
-    Tab("First seconds", Columns(
-        Rows(
-            Plot("Thrust, first seconds [N]", _axes("/chaser/thrust", AXES), until=_TRANSIENT, bounds=_BOUNDS),
-            Plot("Relative velocity and its estimate [m/s]", until=_TRANSIENT, lines=(
-                *_axes("/chaser/state", ("vx", "vy", "vz")),
-                *_axes("/observer/state", ("vx", "vy", "vz"), "_estimate", " estimated"))),
+        Tab(
+            "First seconds",
+            Columns(
+                Rows(
+                    Plot("Thrust, first seconds [N]", _axes("/chaser/thrust", AXES), until=_TRANSIENT, bounds=_BOUNDS),
+                    Plot(
+                        "Relative velocity and its estimate [m/s]",
+                        until=_TRANSIENT,
+                        lines=(
+                            *_axes("/chaser/state", ("vx", "vy", "vz")),
+                            *_axes("/observer/state", ("vx", "vy", "vz"), "_estimate", " estimated"),
+                        ),
+                    ),
+                ),
+                Rows(
+                    Plot(
+                        "Velocity error of the estimate [m/s]",
+                        until=_TRANSIENT,
+                        lines=_axes("/observer/error", ("vx", "vy", "vz")),
+                    ),
+                    Plot(
+                        "Position error of the estimate [m]",
+                        _axes("/observer/error", ("x", "y", "z")),
+                        until=_TRANSIENT,
+                    ),
+                ),
+            ),
         ),
-        Rows(
-            Plot("Velocity error of the estimate [m/s]", until=_TRANSIENT,
-                 lines=_axes("/observer/error", ("vx", "vy", "vz"))),
-            Plot("Position error of the estimate [m]", _axes("/observer/error", ("x", "y", "z")), until=_TRANSIENT),
-        ))),
-    Tab("Integrals", Rows(
-        Plot("Range to the target [m]", (Line("/chaser/range", "range", "range", "magnitude"),), until=_SHOWN),
-        Plot("Cost J so far [1]", (Line("/integrals", "cost", "J", "magnitude"),), until=_SHOWN),
-        Plot("Velocity increment so far [m/s]", (Line("/integrals", "delta_v", "delta-v", "magnitude"),), until=_SHOWN),
-    )),
-    Tab("About", Columns(Text("About", ABOUT), EventLog())),
-), look=LOOK)  # fmt: skip
+        Tab(
+            "Integrals",
+            Rows(
+                Plot("Range to the target [m]", (Line("/chaser/range", "range", "range", "magnitude"),), until=_SHOWN),
+                Plot("Cost J so far [1]", (Line("/integrals", "cost", "J", "magnitude"),), until=_SHOWN),
+                Plot(
+                    "Velocity increment so far [m/s]",
+                    (Line("/integrals", "delta_v", "delta-v", "magnitude"),),
+                    until=_SHOWN,
+                ),
+            ),
+        ),
+        Tab("About", Columns(Text("About", ABOUT), EventLog())),
+    ),
+    look=LOOK,
+)

@@ -222,10 +222,18 @@ def over_starts(case: Case, results: Results) -> None:
         results.scan(found)
         results.say(f"{quantity}, over the starts", found.note)
     measured = one(1.0, 0.0)
-    results.quantity("audit.thrust_ratio", measured.thrust_ratio, source="Figure 4",
-                     method="largest thrust over its bound, estimate starting at the measured position")  # fmt: skip
-    results.quantity("audit.fluctuation_share", exact.fluctuation / measured.fluctuation, source="Figure 4",
-                     method="total variation of f_x over 20 s, without initial error over with it")  # fmt: skip
+    results.quantity(
+        "audit.thrust_ratio",
+        measured.thrust_ratio,
+        source="Figure 4",
+        method="largest thrust over its bound, estimate starting at the measured position",
+    )
+    results.quantity(
+        "audit.fluctuation_share",
+        exact.fluctuation / measured.fluctuation,
+        source="Figure 4",
+        method="total variation of f_x over 20 s, without initial error over with it",
+    )
 
 
 def transient_ratio(case: Case, position_share: float) -> float:

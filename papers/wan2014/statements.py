@@ -135,9 +135,7 @@ EQ29 = _statement(
     ("rho", "x", "e"),
     {("rho", "rho"): "rho", ("rho", "x"): "x0.T", ("rho", "e"): "e0.T", ("x", "x"): "-P", ("e", "e"): "-P"},
 )
-EQ29_CORRECTED = EQ29.corrected(
-    {("rho", "rho"): "-rho", ("x", "x"): "-inverse(P)", ("e", "e"): "-inverse(P)"}
-)  # fmt: skip
+EQ29_CORRECTED = EQ29.corrected({("rho", "rho"): "-rho", ("x", "x"): "-inverse(P)", ("e", "e"): "-inverse(P)"})
 #: Theorem 3 with rho^-1 as the unknown
 INVERSE = {"inverse_rho": positive(), "w": positive()}
 EQ30 = _statement(
@@ -168,9 +166,7 @@ EQ31 = _statement(
     **INVERSE,
 )
 #: (31) with its two rows X made one: 2 U Y X^-1 Y' U' < u^2 / rho
-EQ31_ONE_ROW = EQ31.corrected(
-    {("u", "u"): "-u_{axis}**2*inverse_rho/2*eye(3)"}, without=("e",), edition="in one row"
-)  # fmt: skip
+EQ31_ONE_ROW = EQ31.corrected({("u", "u"): "-u_{axis}**2*inverse_rho/2*eye(3)"}, without=("e",), edition="in one row")
 #: (35), what is asked to be negative
 EQ35 = _statement(
     "(35) {axis}",
@@ -221,11 +217,9 @@ FEEDBACK = EQ14.sub("x", "E2", "u", "Q", label="(14) 1,3,5,7")
 #: the same times rho after X <- rho X, Y <- rho Y, eps <- rho eps, for the input weight `weight` R
 FEEDBACK_TIMES_RHO = FEEDBACK.corrected(
     {("u", "u"): "-rho*inverse(weight*R)", ("Q", "Q"): "-rho*inverse(Q)"}, edition="times rho"
-)  # fmt: skip
+)
 #: (30) at e(0) = 0 after the same substitution
-START_TIMES_RHO = EQ30.sub("rho", "x").corrected(
-    {("rho", "rho"): "-eye(1)", ("rho", "x"): "x0.T"}, edition="times rho"
-)  # fmt: skip
+START_TIMES_RHO = EQ30.sub("rho", "x").corrected({("rho", "rho"): "-eye(1)", ("rho", "x"): "x0.T"}, edition="times rho")
 #: (31) in one row after the same substitution
 THRUST_TIMES_RHO = EQ31_ONE_ROW.corrected({("u", "u"): "-u_{axis}**2/2*eye(3)"}, edition="times rho")
 
@@ -250,9 +244,12 @@ def state_feedback(case: Any, saturated: bool = True, weight: str = "1", **texts
     held = [
         FEEDBACK_TIMES_RHO.defining(texts, label="(14) 1,3,5,7", unknowns=unknowns, weight=weight) < 0,
         START_TIMES_RHO.defining(texts, label="(30)", unknowns=unknowns) < 0,
-        [Constraint(c.label, c.left, c.relation, c.right, c.statement.defining(texts, unknowns=unknowns))
-         for c in limits if c.statement is not None],
-    ]  # fmt: skip
+        [
+            Constraint(c.label, c.left, c.relation, c.right, c.statement.defining(texts, unknowns=unknowns))
+            for c in limits
+            if c.statement is not None
+        ],
+    ]
     return Stated(case, held, minimise="rho", unknowns=unknowns, label="(14) 1,3,5,7 with (30), (31)")
 
 
@@ -340,10 +337,13 @@ def cost_bound(case: Any, gain: str) -> Stated:
 def thrust_bound(case: Any, gain: str, axis: int) -> Stated:
     """Return the least certified square of the thrust along an axis (N^2), likewise."""
     reach = Statement(
-        "reach", "(5)", ("xi", "u"),
+        "reach",
+        "(5)",
+        ("xi", "u"),
         {("xi", "xi"): "P", ("xi", "u"): f"k[{axis},0:12].T", ("u", "u"): "square"},
-        {**_LYAPUNOV, "square": positive()}, closed_loop(case, gain),
-    )  # fmt: skip
+        {**_LYAPUNOV, "square": positive()},
+        closed_loop(case, gain),
+    )
     start = read_constraint("1 - xi0.T@P@xi0 > 0", "start inside")
     held = [dissipation(case, gain, "zeros(12,12)") < 0, reach > 0, start]
     return Stated(case, held, minimise="square", label=f"full Lyapunov thrust {AXES[axis]}")

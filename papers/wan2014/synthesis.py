@@ -10,7 +10,7 @@ from gainsay.statements import Stated, enclose, prove
 from gainsay.systems.spectrum import spectral_abscissa
 from gainsay.tables import Case
 from papers.wan2014 import conditions_digits as digits
-from papers.wan2014 import derivations, plant, proofs, searches
+from papers.wan2014 import derivations, derivations_bounds, plant, proofs, searches
 from papers.wan2014.plant import AXES
 from papers.wan2014.statements import (
     EQ15,
@@ -61,9 +61,12 @@ def theorem_2(case: Case, results: Results) -> None:
     results.attempt("(14)", list(best.attempts))
     margin = -best.value
     results.quantity(
-        "farkas.margin", float(np.clip(margin, ends["lower"], ends["upper"])), source="(14), (41)", **ends,
+        "farkas.margin",
+        float(np.clip(margin, ends["lower"], ends["upper"])),
+        source="(14), (41)",
+        **ends,
         method="semidefinite program, enclosed exactly by a point and by multipliers",
-    )  # fmt: skip
+    )
     results.prove(proofs.infeasible_14(case, best.solved.values), source="(14), (41)")
     results.prove(proofs.infeasible_14(case, best.solved.values, "corrected"), source="(14), (24), (41)")
     results.prove(proofs.wrong_diagonal(case), source="(14), (43)")
@@ -76,9 +79,10 @@ def theorem_2(case: Case, results: Results) -> None:
 @task("(9) to (37)")
 def proofs_of_the_paper(case: Case, results: Results) -> None:
     """Check each step of the paper's proofs for matrices of any entries."""
-    for step in derivations.DERIVATIONS:
+    steps = (*derivations.DERIVATIONS, *derivations_bounds.DERIVATIONS)
+    for step in steps:
         results.prove(step(case), source=(step.__doc__ or "").split(":")[0])
-    results.say("(9) to (37)", f"{len(derivations.DERIVATIONS)} steps of the derivations proved")
+    results.say("(9) to (37)", f"{len(steps)} steps of the derivations proved")
 
 
 @task("(38)")
@@ -96,13 +100,17 @@ def slips_of_the_text(case: Case, results: Results) -> None:
     """Measure the slips of the text: references to (15) and (24)."""
     matrices = {"A", "B", "E1", "E2", "L", "C"}
     results.quantity(
-        "eq15.plant_terms", sum(bool(names_in(text) & matrices) for text in EQ15.blocks.values()),
-        method="blocks of (15) that name a matrix of the plant", source="(15)",
-    )  # fmt: skip
+        "eq15.plant_terms",
+        sum(bool(names_in(text) & matrices) for text in EQ15.blocks.values()),
+        method="blocks of (15) that name a matrix of the plant",
+        source="(15)",
+    )
     results.quantity(
-        "eq24.order", len(EQ24.rows) * 12, source="(23), (24)",
+        "eq24.order",
+        len(EQ24.rows) * 12,
+        source="(23), (24)",
         method="order of (24), the size of [x; e]; diag(P^-1, P^-1, I) is larger",
-    )  # fmt: skip
+    )
 
 
 @task(SUBPROBLEM)
@@ -131,23 +139,35 @@ def subproblem(case: Case, results: Results) -> None:
         subject_to=[*state_feedback(case, Y="design('resynthesised', 'K')@X").constraints, f"rho < {level}"],
     )
     point = near.solve()
-    prove(results, "subproblem.design_near", near, point, source="(44)",
-          sentence=f"X for the gain of designs/resynthesised.json with rho {NEAR}")  # fmt: skip
+    prove(
+        results,
+        "subproblem.design_near",
+        near,
+        point,
+        source="(44)",
+        sentence=f"X for the gain of designs/resynthesised.json with rho {NEAR}",
+    )
     for name, (i, j) in {"k11": (0, 0), "k12": (0, 1), "k14": (0, 3), "k15": (0, 4), "k25": (1, 4)}.items():
         low, high = (float(end[i, j]) for end in (spread["K"].low, spread["K"].high))
         results.quantity(
-            f"subproblem.{name}", float(design[i, j]), source="(44)", lower=low, upper=high,
+            f"subproblem.{name}",
+            float(design[i, j]),
+            source="(44)",
+            lower=low,
+            upper=high,
             method=f"entry of designs/resynthesised.json, which is proved near the optimum; its range {NEAR}",
-        )  # fmt: skip
+        )
     for name, value in (("X", optimum["X"]), ("Y", optimum["Y"]), ("K", K)):
         s = spread[name]
         results.gains(
             name, published=case.printed(name), resynthesised=value, identified=s.identified, low=s.low, high=s.high
         )
     results.quantity(
-        "subproblem.identified_gains", int(spread["K"].identified.sum()), source="(44)",
+        "subproblem.identified_gains",
+        int(spread["K"].identified.sum()),
+        source="(44)",
         method=f"entries of K whose range {NEAR} lies within 10 % to either side",
-    )  # fmt: skip
+    )
     results.say(SUBPROBLEM, f"optimal, rho = {rho:.6e} enclosed to {best.width:.0e}")
 
 
@@ -165,13 +185,19 @@ def rounding_of_43(case: Case, results: Results) -> None:
         for end, sign in (("lower", 1), ("upper", -1)):
             found = _narrow(_found(results, f"{name}_{end}", stated.changed(minimise=f"{sign}*{formula}")), BOX_ROOM)
             lower, upper = sorted((sign * found.lower, sign * found.upper))
-            results.quantity(f"box.{name}_{end}", sign * found.value, lower=lower, upper=upper, method=ENCLOSED,
-                             source=source)  # fmt: skip
+            results.quantity(
+                f"box.{name}_{end}", sign * found.value, lower=lower, upper=upper, method=ENCLOSED, source=source
+            )
     sentence = "X and Y that round to (43) and satisfy block rows 1, 3, 5, 7 of (14), (30) at e(0) = 0 and (31)"
     prove(
-        results, "box.feasible", stated, ends["upper"].solved, source="(43)", id="subproblem-printed-digits",
+        results,
+        "box.feasible",
+        stated,
+        ends["upper"].solved,
+        source="(43)",
+        id="subproblem-printed-digits",
         sentence=sentence,
-    )  # fmt: skip
+    )
     results.prove(proofs.consistent_digits(case, *digits.consistent_point(case)), source="(43), (44)")
     results.say("(43)", f"rho within {-1 / ends['lower'].value:.6e} .. {1 / ends['upper'].value:.6e}")
 
@@ -203,18 +229,26 @@ def _certified(case: Case, results: Results, name: str, gain: str) -> np.ndarray
     stated = cost_bound(case, gain)
     cost = _found(results, name, stated)
     certificate = proofs.cost_certificate(
-        case, gain, cost.solved.values, id=f"{slug}-cost",
+        case,
+        gain,
+        cost.solved.values,
+        id=f"{slug}-cost",
         quantities={"cost": f"{name}.cost_bound", "stable": f"{name}.stable"},
-    )  # fmt: skip
+    )
     results.certificate(certificate)
     proved = {c.of: c.value for c in certificate.conclusions}
     upper = float(proved["cost"])
-    results.quantity(f"{name}.stable", 1, source="(1), (7), (10)",
-                     method=f"certificate {certificate.id}, every |Lambda_ii(t)| <= 1")  # fmt: skip
     results.quantity(
-        f"{name}.cost_bound", _value(cost, upper), lower=_finite(cost.lower), upper=upper, source="(1), (7), (10)",
+        f"{name}.stable", 1, source="(1), (7), (10)", method=f"certificate {certificate.id}, every |Lambda_ii(t)| <= 1"
+    )
+    results.quantity(
+        f"{name}.cost_bound",
+        _value(cost, upper),
+        lower=_finite(cost.lower),
+        upper=upper,
+        source="(1), (7), (10)",
         method=f"infimum over 12x12 P; {_ends(cost)}",
-    )  # fmt: skip
+    )
     sizes = {**{part: cost.solved.values[part] / cost.upper for part in ("P", "S")}, "square": 100.0}
     peaks = []
     for i, axis in enumerate(AXES):
@@ -229,10 +263,13 @@ def _certified(case: Case, results: Results, name: str, gain: str) -> np.ndarray
         peaks.append(float(certificate.conclusions[-1].value or "nan"))
         lower = _finite(found.lower)
         results.quantity(
-            f"{name}.thrust_{axis}", float(np.sqrt(_value(found, peaks[-1] ** 2))), upper=peaks[-1], source="(5), (10)",
+            f"{name}.thrust_{axis}",
+            float(np.sqrt(_value(found, peaks[-1] ** 2))),
+            upper=peaks[-1],
+            source="(5), (10)",
             lower=None if lower is None else float(np.nextafter(np.sqrt(max(lower, 0.0)), 0)),
             method=f"infimum over 12x12 P of its own; {_ends(found)}",
-        )  # fmt: skip
+        )
     results.say(name, f"J <= {upper:.6e}, thrust <= {', '.join(f'{p:.2f}' for p in peaks)} N, certified")
     return np.array(peaks)
 
@@ -245,9 +282,11 @@ def repaired(case: Case, results: Results) -> None:
     if abs(share - searches.USED) > 1e-6:
         raise ComputationError("repaired design", f"uses {share} of the limits at the start: search it again")
     results.quantity(
-        "repaired.weight", float(design["weight"][0, 0]), source="(5), (14)",
+        "repaired.weight",
+        float(design["weight"][0, 0]),
+        source="(5), (14)",
         method=f"input weight of the design, whose thrust at the start is within {searches.USED} of the limits of (5)",
-    )  # fmt: skip
+    )
     peaks = _certified(case, results, "repaired", "design('repaired', 'K')")
     if not (peaks <= plant.thrust_limits(case)).all():
         raise ComputationError("repaired design", f"certified thrust {peaks} N exceeds the limits")
@@ -258,8 +297,14 @@ def corrected_theorem(case: Case, results: Results) -> None:
     """Show that the theorem can be had: separate Lyapunov matrices for estimate and error are feasible."""
     stated = joint_design(case)
     best = _found(results, "Theorem 2, corrected", stated)
-    enclose(results, "joint.cost_bound", stated, best, source="Theorem 2",
-            sentence="rho over K and two 6x6 Lyapunov matrices, multipliers those of designs/joint.json")  # fmt: skip
+    enclose(
+        results,
+        "joint.cost_bound",
+        stated,
+        best,
+        source="Theorem 2",
+        sentence="rho over K and two 6x6 Lyapunov matrices, multipliers those of designs/joint.json",
+    )
     results.say("Theorem 2, corrected", f"feasible, J <= {best.value:.6e} without thrust limits")
 
 

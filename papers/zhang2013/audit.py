@@ -1,6 +1,5 @@
 """Audit of zhang2013: the printed K and L on the design model and on the flexible plant."""
 
-from collections.abc import Callable, Mapping
 from functools import partial
 
 import numpy as np
@@ -16,9 +15,7 @@ from gainsay.systems.delay import DelayMargin, DelaySystem
 from gainsay.systems.delay_bounds import bessel_legendre
 from gainsay.systems.delay_spectrum import hinf_norm, rightmost_roots, spectral_abscissa, unstable_root_count
 from gainsay.tables import Case
-from gainsay.verdicts.scan import plausible, scan
 from papers.zhang2013 import derivations, proofs
-from papers.zhang2013 import response as flight
 from papers.zhang2013.conditions import (
     channel_blocks,
     delay_below,
@@ -31,6 +28,7 @@ from papers.zhang2013.conditions import (
 )
 from papers.zhang2013.plant import MODES, Spacecraft
 from papers.zhang2013.proofs import PRINTED_GAINS
+from papers.zhang2013.scans import figures
 from papers.zhang2013.statements import PLANT, PRINTED_LOOP, reduced_theorem_1, structured_theorem_1, theorem_1
 from papers.zhang2013.synthesis import certify_on_flexible
 
@@ -41,10 +39,6 @@ DELAY_WIDTH, FLEXIBLE_WIDTH = 1e-6, 1e-4
 def _blocks_at(parts: tuple[np.ndarray, np.ndarray, np.ndarray], mu: float, d_M: float) -> tuple[Affine, ...]:
     A, Bd, Cd = parts
     return channel_blocks(A, Bd, Cd, d_M, mu)
-
-
-def _number_of(numbers: Callable[[Mapping], dict[str, float]], quantity: str, point: Mapping) -> float:
-    return numbers(point)[quantity]
 
 
 def printed(case: Case) -> tuple[Spacecraft, tuple, tuple]:
@@ -85,7 +79,6 @@ def poles(case: Case, results: Results) -> None:
         certificate(
             "enclosed",
             id="audit-bandwidth",
-            paper=case.name,
             tables=case,
             definitions=PLANT,
             statement="L B of the printed L.",
@@ -306,8 +299,15 @@ def orbit(case: Case, results: Results) -> None:
     low, high = (case.exact("earth_radius") + altitude for altitude in case.rounded("altitude"))
     with precision(128):
         rates = (ball(case.exact("earth_parameter")) / hull(low, high) ** 3).sqrt()
-    results.enclosed("audit.orbit_rate", lower(rates), upper(rates), value=rate, digits=True,
-                     source="Numerical example", method="Kepler's third law")  # fmt: skip
+    results.enclosed(
+        "audit.orbit_rate",
+        lower(rates),
+        upper(rates),
+        value=rate,
+        digits=True,
+        source="Numerical example",
+        method="Kepler's third law",
+    )
 
 
 @task("after (1), after (5)")
@@ -341,53 +341,6 @@ def disturbance(case: Case, results: Results) -> None:
             source="(1), (4), (6)",
         )
     results.say("after (5)", "w1 persists: the estimation error keeps its amplitude, certified")
-
-
-SCANNED = (
-    "delay_mean",
-    "delay_amplitude",
-    "delay_frequency",
-    "w1_frequency",
-    "horizon",
-    "delay_mode",
-    "observer_start",
-)
-SCANNED_QUANTITIES = (
-    "audit.convergence",
-    "run.theta_end",
-    "run.rate_end",
-    "audit.rejection",
-    "audit.vibration_ratio",
-)
-
-
-@task("Figures 1 to 3")
-def figures(case: Case, results: Results) -> None:
-    """What the text says of Figures 1 to 3, over every plausible value of what it leaves out."""
-    inputs = [plausible(case, name) for name in SCANNED]
-    seen: dict[tuple, dict[str, float]] = {}
-
-    def numbers(point: Mapping) -> dict[str, float]:
-        key = tuple(point[name] for name in SCANNED)
-        if key not in seen:
-            seen[key] = flight.scan_numbers(case, point)
-        return seen[key]
-
-    here = {name: case.choice(name) if name.endswith(("mode", "start")) else case.number(name) for name in SCANNED}
-    for quantity in SCANNED_QUANTITIES:
-        if quantity.startswith("audit."):
-            results.quantity(quantity, numbers(here)[quantity], method="Gauss collocation", source="Figures 1 to 3")
-        results.scan(
-            scan(
-                case,
-                quantity,
-                inputs,
-                partial(_number_of, numbers, quantity),
-                samples=200,
-                admissible=lambda point: flight.admissible(case, point),
-            )
-        )
-    results.say("Figures 1 to 3", f"{len(seen)} plausible readings simulated")
 
 
 TASKS = (

@@ -8,9 +8,15 @@ from papers.zhang2013.statements import PARTS, PRINTED_LOOP, equation_9, functio
 ETA = ("z", "z'", "z_d", "z_M")
 #: a system (7)-(8) without numbers, and the unknowns of Theorem 1
 FREE_LOOP = {
-    **functional(3), "A_bar": matrix(3, 3), "A_d": matrix(3, 3), "B_bar": matrix(3, 2), "C_z": matrix(1, 3),
-    "C_d": matrix(1, 2), "mu": scalar(), "g": scalar(),
-}  # fmt: skip
+    **functional(3),
+    "A_bar": matrix(3, 3),
+    "A_d": matrix(3, 3),
+    "B_bar": matrix(3, 2),
+    "C_z": matrix(1, 3),
+    "C_d": matrix(1, 2),
+    "mu": scalar(),
+    "g": scalar(),
+}
 TIME_UNIT = {"d_M": "eye(1)"}
 UNIT_NOTE = "time in units of d_M, in which d_M = 1; any other unit scales rates and R alone"
 UNIT_ON_FAITH = ("That the unit of time may be chosen so that d_M = 1.",)

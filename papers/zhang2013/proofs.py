@@ -57,7 +57,6 @@ def norm_without_delay(case: Case, value: float) -> Certificate:
     return certificate(
         "bounded_real",
         id="hinf-delay-0",
-        paper=case.name,
         tables=case,
         statement="The norm of (7) without delay is below this level, and the loop is stable.",
         definitions=PRINTED_LOOP,
@@ -106,7 +105,6 @@ def printed_sign_infeasible(case: Case, edition: str, quantity: str) -> Certific
     return certificate(
         "farkas",
         id=f"lambda1-sign-{edition}",
-        paper=case.name,
         statement=f"(23), {edition}, has no solution at the printed lambda1 = -0.12.",
         witness=witness,
         quantities={"feasible": quantity},
@@ -124,7 +122,6 @@ def gamma_floor(case: Case) -> Certificate:
     return certificate(
         "dual_bound",
         id="gamma-floor",
-        paper=case.name,
         statement="No design that the corrected (23a) accepts has gamma below |C2|.",
         witness={stated.constraints[0].label: [[x * y for y in z] for x in z], "Q22 > 0": [[case.exact("mu")]]},
         quantities={"objective": "theorem2.gamma_squared_floor"},
@@ -150,7 +147,6 @@ def abscissa(
     return certificate(
         "eigenvalues",
         id=name,
-        paper=case.name,
         tables=case,
         statement=statement,
         definitions=definitions,
@@ -169,7 +165,6 @@ def unstable(
     return certificate(
         "unstable",
         id=name,
-        paper=case.name,
         tables=case,
         statement=statement,
         definitions=definitions,
@@ -184,7 +179,6 @@ def w1_rms(case: Case, size: str, quantity: str) -> Certificate:
     return certificate(
         "enclosed",
         id="w1-persists",
-        paper=case.name,
         tables=case,
         statement="The root mean square of w1 over long times is positive, at whatever frequency: its energy grows "
         "linearly with time, so that w1 is not in l2[0, inf) and no bound on its norm holds.",
@@ -198,7 +192,6 @@ def larger_than_max(case: Case) -> Certificate:
     return certificate(
         "enclosed",
         id="delta-max",
-        paper=case.name,
         tables=case,
         statement="With ||w1|| = delta_1 = 4 and ||w2'|| = delta_2 = 3 the square of ||w|| is above that of "
         "max(delta_1, delta_2) = 4.",
@@ -217,7 +210,6 @@ def residual_error(case: Case, frequency: str, size: str, quantity: str) -> Cert
     return certificate(
         "enclosed",
         id=quantity.replace("audit.", "").replace("_", "-"),
-        paper=case.name,
         tables=case,
         statement="Without delay the loop of (1), (4), (6) with the printed gains answers w1 of the frequency "
         f"{frequency} with an estimation error w2 - w2hat of this amplitude.",
@@ -248,7 +240,6 @@ def w2_rate_rms(case: Case, size: str, quantity: str) -> Certificate:
     return certificate(
         "enclosed",
         id="w2-rate-persists",
-        paper=case.name,
         tables=case,
         statement="Without delay the loop of (1), (4), (6) with the printed gains answers the printed w1 with a rate "
         "of w2 of this root mean square: its energy grows linearly with time, so that it is not in l2[0, inf).",

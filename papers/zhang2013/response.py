@@ -200,9 +200,17 @@ def scan_numbers(case: Case, point: Mapping) -> dict[str, float]:
 
     def run(mode: str, until: float) -> Flight:
         return fly(
-            case, K, L, mode, point["observer_start"], law=law, w1_frequency=point["w1_frequency"], horizon=until,
-            step=0.2, stages=7,
-        )  # fmt: skip
+            case,
+            K,
+            L,
+            mode,
+            point["observer_start"],
+            law=law,
+            w1_frequency=point["w1_frequency"],
+            horizon=until,
+            step=0.2,
+            stages=7,
+        )
 
     end, window = point["horizon"], ESTIMATION_WINDOW
     flight = run(point["delay_mode"], max(end, 100.0))

@@ -191,38 +191,77 @@ def _one(title: str, topic: str, field: str, label: str, role: str, until: float
 
 _MODES = tuple(Line("/spacecraft/modes", f"eta{i}", f"eta{i}", f"axis_{i}") for i in (1, 2))
 
-LAYOUT = Layout("zhang2013", (
-    Tab("Attitude", Columns(
-        Scene("Spacecraft, pitch about y", "orbit", elements=("spacecraft",), axes=("orbit", "spacecraft")),
-        Rows(
-            _one("Pitch angle [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2", _SHOWN),
-            _one("Pitch rate [mrad/s]", "/spacecraft/rate_mrad_s", "rate", "theta rate", "axis_2", _SHOWN),
-            Plot("Torque [N m]", until=_SHOWN, lines=(
-                Line("/torque", "feedback", "K x", "axis_1"),
-                Line("/torque", "compensation", "-w2 estimate", "axis_2"),
-            )),
-            shares=(2, 1, 1)),
-        shares=(1, 1))),
-    Tab("First seconds", Rows(
-        _one("Pitch angle, first seconds [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2", _FIRST),
-        _one("Torque, first seconds [N m]", "/torque", "total", "total", "thrust", _FIRST),
-    )),
-    Tab("Observer", Rows(
-        Plot("Torque of the modes [N m]", until=_ESTIMATE, lines=(
-            Line("/disturbance", "w2", "w2", "truth"), Line("/observer", "w2_estimate", "w2 estimate", "estimate"),
-        )),
-        _one("Estimation error [N m]", "/observer", "error", "w2 - w2 estimate", "axis_1", _ESTIMATE),
-        Plot("Modal coordinates [kg^0.5 m]", _MODES, until=_ESTIMATE),
-        shares=(5, 4, 3))),
-    Tab("Whole run", Rows(
-        _one("Pitch angle, whole run [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2"),
-        _one("Estimation error, whole run [N m]", "/observer", "error", "w2 - w2 estimate", "axis_1"),
-        Plot("Modal coordinates, whole run [kg^0.5 m]", _MODES),
-    )),
-    Tab("Delay", Rows(
-        Plot("Delay [s]", (Line("/delay", "delay", "d", "magnitude"),), until=_ESTIMATE,
-             bounds=(Bound("delay", "0 and d_M"),)),
-        _one("Integral of squared angle [rad^2 s]", "/integrals", "squared_angle", "angle", "magnitude", _SHOWN),
-    )),
-    Tab("About", Columns(Text("About", ABOUT), EventLog())),
-), look=LOOK)  # fmt: skip
+LAYOUT = Layout(
+    "zhang2013",
+    (
+        Tab(
+            "Attitude",
+            Columns(
+                Scene("Spacecraft, pitch about y", "orbit", elements=("spacecraft",), axes=("orbit", "spacecraft")),
+                Rows(
+                    _one("Pitch angle [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2", _SHOWN),
+                    _one("Pitch rate [mrad/s]", "/spacecraft/rate_mrad_s", "rate", "theta rate", "axis_2", _SHOWN),
+                    Plot(
+                        "Torque [N m]",
+                        until=_SHOWN,
+                        lines=(
+                            Line("/torque", "feedback", "K x", "axis_1"),
+                            Line("/torque", "compensation", "-w2 estimate", "axis_2"),
+                        ),
+                    ),
+                    shares=(2, 1, 1),
+                ),
+                shares=(1, 1),
+            ),
+        ),
+        Tab(
+            "First seconds",
+            Rows(
+                _one(
+                    "Pitch angle, first seconds [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2", _FIRST
+                ),
+                _one("Torque, first seconds [N m]", "/torque", "total", "total", "thrust", _FIRST),
+            ),
+        ),
+        Tab(
+            "Observer",
+            Rows(
+                Plot(
+                    "Torque of the modes [N m]",
+                    until=_ESTIMATE,
+                    lines=(
+                        Line("/disturbance", "w2", "w2", "truth"),
+                        Line("/observer", "w2_estimate", "w2 estimate", "estimate"),
+                    ),
+                ),
+                _one("Estimation error [N m]", "/observer", "error", "w2 - w2 estimate", "axis_1", _ESTIMATE),
+                Plot("Modal coordinates [kg^0.5 m]", _MODES, until=_ESTIMATE),
+                shares=(5, 4, 3),
+            ),
+        ),
+        Tab(
+            "Whole run",
+            Rows(
+                _one("Pitch angle, whole run [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2"),
+                _one("Estimation error, whole run [N m]", "/observer", "error", "w2 - w2 estimate", "axis_1"),
+                Plot("Modal coordinates, whole run [kg^0.5 m]", _MODES),
+            ),
+        ),
+        Tab(
+            "Delay",
+            Rows(
+                Plot(
+                    "Delay [s]",
+                    (Line("/delay", "delay", "d", "magnitude"),),
+                    until=_ESTIMATE,
+                    bounds=(Bound("delay", "0 and d_M"),),
+                ),
+                _one(
+                    "Integral of squared angle [rad^2 s]", "/integrals", "squared_angle", "angle", "magnitude", _SHOWN
+                ),
+            ),
+        ),
+        Tab("About", Columns(Text("About", ABOUT), EventLog())),
+    ),
+    look=LOOK,
+)

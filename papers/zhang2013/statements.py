@@ -142,9 +142,15 @@ def without_slack(part: str, loop: dict[str, str], size: int = 3, inputs: int = 
 
 #: symmetric unknowns of (23) that the theorem asks to be positive definite; P11, Q11, Q21, R1 carry hats in the paper
 SIGNED = {
-    "P11": symmetric(2), "P12": symmetric(1), "Q11": symmetric(2), "Q21": symmetric(2), "Q12": symmetric(1),
-    "Q22": symmetric(1), "R1": symmetric(2), "R2": symmetric(1),
-}  # fmt: skip
+    "P11": symmetric(2),
+    "P12": symmetric(1),
+    "Q11": symmetric(2),
+    "Q21": symmetric(2),
+    "Q12": symmetric(1),
+    "Q22": symmetric(1),
+    "R1": symmetric(2),
+    "R2": symmetric(1),
+}
 #: unknowns of (23) without structure; X stands for P21-bar and P21-hat, K = M X^-1, L = P22^-T N
 UNKNOWNS_23 = {**SIGNED, "X": matrix(2, 2), "M": matrix(1, 2), "N": matrix(1, 2), "P22": matrix(1, 1)}
 ROWS = ("x", "e", "x'", "e'", "x_d", "e_d", "x_M", "e_M", "w1", "w2'", "y")
@@ -227,9 +233,14 @@ def without_block_26(part: str) -> Statement:
 
 EDITIONS = {"printed": equation_23, "corrected": corrected_23, "without (2,6)": without_block_26}
 UNKNOWNS_26 = {
-    **SIGNED, "P21": matrix(2, 2), "P22": matrix(1, 1), "K": matrix(1, 2), "L": matrix(1, 2), "l1": scalar(),
+    **SIGNED,
+    "P21": matrix(2, 2),
+    "P22": matrix(1, 1),
+    "K": matrix(1, 2),
+    "L": matrix(1, 2),
+    "l1": scalar(),
     "l2": scalar(),
-}  # fmt: skip
+}
 
 
 def equation_26(part: str) -> Statement:
@@ -343,10 +354,13 @@ def least_squares_program(case: Any, level: str = "1e-3", **texts: str) -> State
     )
     count = sum(unknown.rows * unknown.columns for unknown in UNKNOWNS_23.values())
     squares = Statement(
-        "sum of squares", "", ("total", "entries"),
+        "sum of squares",
+        "",
+        ("total", "entries"),
         {("total", "total"): "total", ("total", "entries"): f"row({entries})", ("entries", "entries"): f"eye({count})"},
-        unknowns={**UNKNOWNS_23, "total": scalar()}, where={**PLANT, **LAMBDAS},
-    ).defining(texts)  # fmt: skip
+        unknowns={**UNKNOWNS_23, "total": scalar()},
+        where={**PLANT, **LAMBDAS},
+    ).defining(texts)
     held = theorem_2(case, level=level, **texts)
     return Stated(case, [held.constraints, squares > 0], "total", held.unknowns, held.where, label="(23) least squares")
 

@@ -42,7 +42,7 @@ def length(case, results):
 @task("(2)")
 def bound(case, results):
     results.certificate(build.certificate(
-        "enclosed", id="half-mass", paper=case.name, tables=case, statement="Half the mass.",
+        "enclosed", id="half-mass", tables=case, statement="Half the mass.",
         fields={"formula": "number('mass') / 2", "high": "2"}, quantities={"value": "audit.other"},
     ))
     results.quantity("audit.other", case.number("mass") / 2, method="half")
@@ -51,7 +51,7 @@ def bound(case, results):
 @task("(3)")
 def holds(case, results):
     results.certificate(build.certificate(
-        "identity", id="square", paper=case.name, tables=case, statement="A square.",
+        "identity", id="square", tables=case, statement="A square.",
         unknowns={"s": {}}, fields={"left": "(s + 1)**2", "right": "s**2 + 2*s + 1"},
         quantities={"identity": "audit.holds"},
     ))

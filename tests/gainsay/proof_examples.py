@@ -16,7 +16,7 @@ SIMPLE = "[[0, 1], [-2, -3]]"
 
 
 def make(kind, fields, witness=None, **more):
-    parts = {"id": "c", "paper": "p", "statement": "A statement.", "tables": TABLES, "fields": fields, **more}
+    parts = {"id": "c", "statement": "A statement.", "tables": TABLES, "fields": fields, **more}
     return build.certificate(kind, witness=witness, **parts)
 
 

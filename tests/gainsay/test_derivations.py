@@ -186,11 +186,11 @@ def test_hypotheses_that_are_definite_only_together_give_a_strict_conclusion():
         ({"by": [Step(SCHUR, DOWN.factor, scale="s", left_inverse=DOWN.left_inverse)]}, "not proved positive"),
         ({"by": [Step(SCHUR, DOWN.factor, scale="s**2", left_inverse=DOWN.left_inverse)]}, "may be zero"),
         ({"by": [Step(SCHUR, DOWN.factor, scale="1 + e", left_inverse=DOWN.left_inverse)]}, "product of positive"),
-        ({"by": [Step("C < 0", DOWN.factor)]}, "no hypothesis"),
+        ({"by": [Step("C < 0", DOWN.factor)]}, "not a hypothesis"),
         ({"invertible": []}, "not said to be invertible"),
         ({"given": [], "then": "-A@A >= 0", "by": [Step("", "A")]}, "not proved to be the sum"),
         ({"given": [SCHUR, SCHUR]}, "different names"),
-        ({"invertible": ["C", "B"]}, "no square unknown"),
+        ({"invertible": ["C", "B"]}, "not a square unknown"),
     ],
 )
 def test_what_does_not_follow_is_refused(parts, reason):

@@ -287,7 +287,7 @@ def certified(project, constraint, name="one"):
     results = Results(case, "audit")
     for quantity, value in COMPUTED.items():
         results.quantity(quantity, value, method="m")
-    parts = {"paper": case.name, "statement": "A number is positive.", "tables": case}
+    parts = {"statement": "A number is positive.", "tables": case}
     results.certificate(build.certificate("definite", id=name, fields={"constraint": constraint}, **parts))
     results.close()
     verdicts(case)

@@ -23,7 +23,7 @@ X, ROW, S = {"x": {}}, {"x": {"shape": [1, 2]}}, {"x": {"shape": [2, 2], "struct
 
 def accepted(kind, fields, witness=None, unknowns=None, definitions=()):
     try:
-        made = build.certificate(kind, id="c", paper="p", statement="s", tables=TABLES, fields=fields, witness=witness,
+        made = build.certificate(kind, id="c", statement="s", tables=TABLES, fields=fields, witness=witness,
                                  unknowns=unknowns, definitions=definitions)  # fmt: skip
     except CertificateError:
         return None
@@ -399,7 +399,7 @@ def test_intervals_imply_what_they_hold():
     assert not implied(both[1:], Conclusion("q", "inside", "1..2", "v"))
     assert not implied([], Conclusion("q", "inside", "1..2", "v"))
     assert ends("1..2") == (1, 2)
-    with pytest.raises(ValueError, match="no interval"):
+    with pytest.raises(ValueError, match="not an interval"):
         ends("1")
 
 

@@ -18,7 +18,7 @@ from gainsay.proof.certificate import LARGEST_FILE, _digest
 from gainsay.proof.guarded import check_file_within
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLES = MappingTables(numbers={"b": "1.5"}, printed={"A": [["0", "1"], ["-2", "-3"]]})
+TABLES = MappingTables(numbers={"b": "1.5"}, printed={"A": [["0", "1"], ["-2", "-3"]]}, name="wan2014")
 OF = {
     "contour": "stable",
     "identity": "identity",
@@ -177,9 +177,10 @@ CONTROL = ["a\nb", "a\rb", "a\x1b[2Jb", "a\x00b", "a\u202eb", "a\ud800b", "a\u20
 @pytest.mark.parametrize("text", CONTROL)
 @pytest.mark.parametrize("part", ["statement", "faith", "id", "conclusions"])
 def test_texts_show_what_they_hold(part, text):
-    value = {"faith": [text], "conclusions": [
-        {"of": "definite", "quantity": text, "relation": "holds", "value": None}
-    ]}.get(part, text)  # fmt: skip
+    value = {
+        "faith": [text],
+        "conclusions": [{"of": "definite", "quantity": text, "relation": "holds", "value": None}],
+    }.get(part, text)
     plain = {**body("definite", {"constraint": "1 > 0"}), part: value}
     refused(json.dumps({**plain, "digest": "sha256:" + "0" * 64}))
 
@@ -280,9 +281,10 @@ def test_only_declared_designs_are_read(tmp_path):
 
     case = read_case(ROOT, "wan2014")
     for name in ("../../../pyproject", "../designs/repaired", "/etc/passwd", "x", "", "repaired/"):
-        with pytest.raises(CertificateError, match=r"no design|expected"):
-            build.certificate("definite", id="c", paper="wan2014", statement="s", tables=case,
-                              fields={"constraint": f"design('{name}', 'K') > 0"})  # fmt: skip
+        with pytest.raises(CertificateError, match=r"not a design|expected"):
+            build.certificate(
+                "definite", id="c", statement="s", tables=case, fields={"constraint": f"design('{name}', 'K') > 0"}
+            )
 
 
 # ---------------------------------------------------------------------------------------------- the command

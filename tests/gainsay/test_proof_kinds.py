@@ -256,7 +256,6 @@ def test_feasible_point_with_exact_equations():
     }
     common = {
         "id": "c",
-        "paper": "p",
         "statement": "s",
         "tables": TABLES,
         "unknowns": {**P_UNKNOWN, "t": {}},
@@ -278,7 +277,7 @@ def test_farkas_against_an_unstable_matrix():
     # M = [[1, 1], [0, 2]]: with V > 0 and M V + V M' = I, <V, sym(PM)> = trace P > 0, so P M + M'P < 0 fails
     m = np.array([[1.0, 1.0], [0.0, 2.0]])
     v = linalg.solve_continuous_lyapunov(m, I)
-    common = {"id": "c", "paper": "p", "statement": "s", "tables": TABLES, "unknowns": P_UNKNOWN}
+    common = {"id": "c", "statement": "s", "tables": TABLES, "unknowns": P_UNKNOWN}
     fields = {"constraints": LYAPUNOV}
     definitions = {"M": "[[1, 1], [0, 2]]"}
     multipliers = {"lyapunov": v, "positive": m @ v + v @ m.T}
@@ -312,7 +311,7 @@ def test_farkas_needs_strictness_or_a_negative_sum():
 
 def test_dual_bound_meets_the_optimum():
     # min x + y subject to x y >= 1, x >= 0: 2 at x = y = 1
-    common = {"id": "c", "paper": "p", "statement": "s", "tables": TABLES, "unknowns": {"x": {}, "y": {}}}
+    common = {"id": "c", "statement": "s", "tables": TABLES, "unknowns": {"x": {}, "y": {}}}
     fields = {"constraints": [["hyperbola", "[[x, 1], [..., y]] >= 0"]], "minimise": "x + y"}
     certificate = build.dual_bound(fields=fields, multipliers={"hyperbola": [[1.0, -0.999], [-0.999, 1.0]]}, **common)
     assert [(p.of, p.relation, p.value) for p in check(certificate, TABLES).proved] == [
@@ -348,7 +347,7 @@ def test_farkas_over_a_box_of_printed_digits():
         "boxes": {"v": "v"},
     }
     z = np.array([[1.0, -0.505], [-0.505, 0.505**2]])
-    common = {"id": "c", "paper": "p", "statement": "s", "tables": TABLES, "unknowns": unknowns}
+    common = {"id": "c", "statement": "s", "tables": TABLES, "unknowns": unknowns}
     multipliers = {"schur": z, "small": [[0.255025]]}
     certificate = build.farkas(fields=fields, multipliers=multipliers, **common)
     assert check(certificate, TABLES).proved[0].relation == "fails"

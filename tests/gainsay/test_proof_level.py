@@ -37,7 +37,6 @@ def made(parts=(DISK, NORM), level="0.5", witness=WITNESS, field="level", quanti
     return build.certificate(
         "level",
         id="a",
-        paper="p",
         statement="s",
         tables=TABLES,
         definitions={"level": level, "A": "printed('A')", "b": "number('radius')"},
@@ -81,8 +80,8 @@ def test_a_level_that_one_part_cannot_meet_is_refused():
 
 
 def test_parts_that_are_not_what_they_should_be_are_refused():
-    assert "no definition" in refused(field="0.9")
-    assert "no definition" in refused(field="lvl")
+    assert "not a definition" in refused(field="0.9")
+    assert "not a definition" in refused(field="lvl")
     assert "different name" in refused(parts=(DISK, {**NORM, "name": "disk"}))
     assert "expected one of" in refused(parts=(DISK, {**NORM, "kind": "nothing"}))
     assert "may not be of kind" in refused(parts=({**DISK, "kind": "level"}, NORM))
@@ -99,9 +98,13 @@ def test_parts_that_are_not_what_they_should_be_are_refused():
 def test_a_level_speaks_of_the_tables_own_requirements():
     """With a wider disk or a higher norm than the paper's any level is reached: that is no level of the paper's."""
     for part, field, value in (
-        (DISK, "radius", "1000"), (DISK, "shift", "2 * number('radius')"), (DISK, "radius", "1000*b"),
-        (NORM, "gamma", "1e9"), (NORM, "gamma", "number('gamma') + 1"), (NORM, "gamma", "level"),
-    ):  # fmt: skip
+        (DISK, "radius", "1000"),
+        (DISK, "shift", "2 * number('radius')"),
+        (DISK, "radius", "1000*b"),
+        (NORM, "gamma", "1e9"),
+        (NORM, "gamma", "number('gamma') + 1"),
+        (NORM, "gamma", "level"),
+    ):
         changed = {**part, "fields": {**part["fields"], field: value}}
         parts = (changed, NORM) if part is DISK else (DISK, changed)
         assert "entry of the parameter table" in refused(parts=parts)

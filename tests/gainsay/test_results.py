@@ -314,7 +314,7 @@ def test_a_number_proved_to_the_point_keeps_its_ends(project, fields, value, end
     """Values by hand: 3/5 of 5 is 3, and nothing between 1 and 2 is nearer to 4 than 2."""
     case = project.case()
     results = Results(case, "audit")
-    parts = {"id": "length", "paper": "toy", "statement": "s", "tables": case, "quantities": {"value": "audit.length"}}
+    parts = {"id": "length", "statement": "s", "tables": case, "quantities": {"value": "audit.length"}}
     results.prove(certificate("enclosed", fields=fields, **parts))
     results.close()
     (row,) = rows(case, "quantities")
@@ -325,7 +325,7 @@ def test_a_number_proved_to_the_point_keeps_its_ends(project, fields, value, end
 def test_what_holds_has_no_ends(project):
     case = project.case()
     results = Results(case, "audit")
-    parts = {"id": "holds", "paper": "toy", "statement": "s", "tables": case}
+    parts = {"id": "holds", "statement": "s", "tables": case}
     results.prove(
         certificate("definite", fields={"constraint": "2 > 1"}, quantities={"definite": "audit.holds"}, **parts)
     )

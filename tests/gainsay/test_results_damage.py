@@ -63,7 +63,7 @@ def compute(case):
     results.quantity("audit.length", 1.5, method="m", lower=1.4999, upper=1.5001)
     results.quantity("audit.other", case.number("mass") / 2, method="half")
     results.prove(build.certificate(
-        "identity", id="square", paper=case.name, tables=case, statement="A square.", unknowns={"s": {}},
+        "identity", id="square", tables=case, statement="A square.", unknowns={"s": {}},
         fields={"left": "(s + 1)**2", "right": "s**2 + 2*s + 1"}, quantities={"identity": "audit.holds"},
     ))  # fmt: skip
     K = case.printed("K")

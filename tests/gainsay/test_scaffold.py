@@ -46,7 +46,7 @@ def test_a_second_paper_stands_beside_the_first(root):
     [
         (["new", "toy2001"], "nothing of this name"),
         (["new", "Toy"], "lower-case"),
-        (["new", "all"], "no target"),
+        (["new", "all"], "not a target"),
         (["new", "--project", ".", "third"], "an empty folder"),
     ],
 )

@@ -246,8 +246,9 @@ UNSTABLE = [
 def test_lyapunov_and_stein_inequalities_are_refuted_where_the_matrix_is_unstable(project, texts, shift):
     """Lyapunov 1892, Stein 1952: feasible exactly if the spectrum is in the region; multipliers would be irrational."""
     results = prepared(project)
-    program = Stated(project.case(), texts, unknowns={"P": symmetric(2)},
-                     where={"A": f"[[0.1, 2], [0.3, -1.7]] - {shift}*eye(2)"})  # fmt: skip
+    program = Stated(
+        project.case(), texts, unknowns={"P": symmetric(2)}, where={"A": f"[[0.1, 2], [0.3, -1.7]] - {shift}*eye(2)"}
+    )
     certificate = prove(results, "audit.holds", program, outcome(program), sentence="such a P")
     assert certificate is not None
     assert certificate.conclusions[0].relation == ("fails" if shift == "0" else "holds")
@@ -260,7 +261,7 @@ def test_a_lyapunov_inequality_with_other_terms_is_not_read_as_one(project, more
     unknowns = {"P": symmetric(2), **({"mu": scalar()} if "mu" in more else {})}
     program = Stated(project.case(), texts, unknowns=unknowns)
     with pytest.raises(CertificateError, match="no Lyapunov or Stein inequality"):
-        wrong_inertia(program, id="c", paper="tiny2020", statement="s", **program.parts())
+        wrong_inertia(program, id="c", statement="s", **program.parts())
 
 
 def test_a_plant_of_ten_states_is_refuted(project):
@@ -353,9 +354,13 @@ def test_quantities_follow_from_conclusions(project):
 
     results = prepared(project)
     certificate = build.certificate(
-        "enclosed", id="third", paper="toy", statement="A third.", tables=project.case(),
-        fields={"formula": "1/3", "low": "0.333", "high": "0.334"}, quantities={"value": "audit.length"},
-    )  # fmt: skip
+        "enclosed",
+        id="third",
+        statement="A third.",
+        tables=project.case(),
+        fields={"formula": "1/3", "low": "0.333", "high": "0.334"},
+        quantities={"value": "audit.length"},
+    )
     results.prove(certificate, source="(1)", values={"audit.length": 1 / 3})
     row = rows(results)["audit.length"]
     assert Fraction(float(row["lower"])) <= Fraction(1, 3) <= Fraction(float(row["upper"]))

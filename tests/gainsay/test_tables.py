@@ -1,7 +1,6 @@
 import csv
 import html
 import io
-import math
 import re
 import tempfile
 from fractions import Fraction
@@ -18,7 +17,6 @@ from gainsay.tables.docs import documents, escaped
 from gainsay.tables.files import cell, read_csv, write_atomically, write_csv, write_json
 from gainsay.tables.lint import _claim_faults, given_of
 from gainsay.tables.sentences import of_sentence, sentences, worst
-from gainsay.tables.units import UNITS, to_si
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -230,15 +228,6 @@ def test_each_sentence_has_one_row_with_every_claim_of_it():
             holding = [row for row in rows if all(escaped(claim.statement) in row for claim in together)]
             expected = of_sentence((c, c.expected) for c in together)
             assert any(row.startswith(f"| {expected} |") for row in holding), together[0].id
-
-
-def test_units_convert_to_units_that_are_si_themselves():
-    for unit, (si, factor) in UNITS.items():
-        assert UNITS[si] == (si, 1), unit
-        assert factor > 0
-    # 180 deg = pi rad and 60 rpm = 2 pi rad/s, to the last bit of a double
-    assert float(180 * to_si("deg")[1]) == pytest.approx(math.pi, rel=2e-16)
-    assert float(60 * to_si("rpm")[1]) == pytest.approx(2 * math.pi, rel=2e-16)
 
 
 TEXT = st.text(st.characters(codec="utf-8", exclude_characters="\r"), max_size=20)

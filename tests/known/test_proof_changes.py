@@ -42,6 +42,7 @@ SEED, BATCHES = 20261125, 10
 # ------------------------------------------------------------------------------ certificates of every kind, in small
 
 TOY = MappingTables(
+    name="toy",
     numbers={"b": "1.5", "gamma": "2", "n": "1.13e-3"},
     printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]], "v": [["0.50", "0.25"]], "u": [["1", "0"], ["0", "-1"]]},
 )
@@ -109,7 +110,7 @@ def toys():
     for kind, fields, witness, more in listed:
         if witness is None:  # x = 0.49 at its first entry leaves [0.495, 0.505]: a multiplier of that entry
             witness = {"a": [["-1", "0"]]}
-        yield build.certificate(kind, id=f"toy-{kind.replace('_', '-')}", paper="toy", statement="A toy.", tables=TOY,
+        yield build.certificate(kind, id=f"toy-{kind.replace('_', '-')}", statement="A toy.", tables=TOY,
                                 definitions=definitions, fields=fields, witness=witness, **more)  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from gainsay.exact.matrix import Matrix
 from gainsay.proof import check, formulas
 from gainsay.proof.scope import MappingTables
 from gainsay.tables.folder import read_case
-from papers.wan2014 import derivations, statements
+from papers.wan2014 import derivations, derivations_bounds, statements
 
 ROOT = Path(__file__).parents[2]
 CASE = read_case(ROOT, "wan2014")
@@ -225,7 +225,10 @@ def test_editions_name_the_cells_that_differ():
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("step", derivations.DERIVATIONS, ids=lambda step: step.__name__)
+STEPS = (*derivations.DERIVATIONS, *derivations_bounds.DERIVATIONS)
+
+
+@pytest.mark.parametrize("step", STEPS, ids=lambda step: step.__name__)
 def test_every_step_of_the_proofs_is_accepted(step):
     certificate = step(CASE)
     assert [c.relation for c in check(certificate, CASE).conclusions] == ["holds"]

@@ -17,7 +17,7 @@ from gainsay.simulation.delay import DelayLaw
 from gainsay.systems.delay_spectrum import spectral_abscissa, unstable_root_count
 from gainsay.tables import Case, read_case
 from gainsay.verdicts.criterion import criteria
-from papers.zhang2013 import audit, proofs, runs
+from papers.zhang2013 import proofs, runs, scans
 from papers.zhang2013 import response as flight
 from papers.zhang2013.figures import FIGURES
 from papers.zhang2013.plant import MODES, Spacecraft
@@ -160,7 +160,7 @@ def test_quantities_of_a_run_come_from_its_log(tmp_path, monkeypatch):
 
 
 def test_a_scanned_reading_at_our_filling_is_the_nominal_run():
-    point = {name: CASE.number(name) for name in audit.SCANNED[:5]} | {"delay_mode": "paper", "observer_start": "zero"}
+    point = {name: CASE.number(name) for name in scans.SCANNED[:5]} | {"delay_mode": "paper", "observer_start": "zero"}
     found = flight.scan_numbers(CASE, point | {"horizon": 120.0})
     nominal, bare = (flight.numbers(flight.fly(CASE, K, L, m, "zero", horizon=120.0)) for m in ("paper", "no_observer"))
     for name in ("theta_end", "rate_end", "estimation_error_rms_end"):
@@ -171,7 +171,7 @@ def test_a_scanned_reading_at_our_filling_is_the_nominal_run():
 
 
 def test_every_scanned_quantity_has_a_claim_with_a_criterion():
-    for quantity in audit.SCANNED_QUANTITIES:
+    for quantity in scans.SCANNED_QUANTITIES:
         (of,) = (claim for claim in CASE.claims.values() if claim.quantity == quantity)
         assert all(reading.phrase for reading in criteria(of))
 

@@ -320,7 +320,7 @@ def test_infeasibility_at_the_printed_sign_is_certified_and_not_at_plus():
 def certified(maker, edition: str, **witness):
     stated = theorem_2(CASE, edition)
     return maker(
-        id="x", paper="zhang2013", statement="", quantities={"feasible": "theorem2.feasible"}, **witness,
+        id="x", statement="", quantities={"feasible": "theorem2.feasible"}, **witness,
         **stated.parts(),
     )  # fmt: skip
 

@@ -34,8 +34,10 @@ def lint(options: argparse.Namespace) -> int:
         case = read_case(options.root, paper)
         check_sentences(case)
         check_rooms(case)
-        print(f"{paper}  tables     {len(case.parameters)} parameters, {len(case.claims)} claims, "
-              f"{len(case.errata)} errata, {len(case.not_checked)} not checked: well-formed")  # fmt: skip
+        print(
+            f"{paper}  tables     {len(case.parameters)} parameters, {len(case.claims)} claims, "
+            f"{len(case.errata)} errata, {len(case.not_checked)} not checked: well-formed"
+        )
     return CLEAN
 
 

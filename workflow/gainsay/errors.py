@@ -69,7 +69,7 @@ class InputError(GainsayError, ValueError):
         if self.field is not None:
             what.append(one_line(str(self.field), LONGEST_PART))
         if self.value is not None:
-            what.append(_found(self.value))
+            what.append(_shown(self.value))
         if what:
             parts.append(" ".join(what))
         if self.expected:
@@ -77,7 +77,7 @@ class InputError(GainsayError, ValueError):
         return one_line(": ".join(parts))
 
 
-def _found(value: object) -> str:
+def _shown(value: object) -> str:
     """Show a value as found, shortened; a number too long to be written out has no text of its own."""
     try:
         return one_line(repr(value), LONGEST_PART)

@@ -12,7 +12,7 @@ from papers.double_integrator.plant import FORMULAS, B, closed_loop, cost
 @task("(3), (4)")
 def printed(case: Case, results: Results) -> None:
     """The printed P is definite; the printed K gives these poles."""
-    common = {"paper": case.name, "tables": case, "definitions": FORMULAS}
+    common = {"tables": case, "definitions": FORMULAS}
     results.prove(
         build.certificate(
             "definite",
@@ -45,7 +45,6 @@ def peak(case: Case, results: Results) -> None:
         build.certificate(
             "bounded_real",
             id="peak",
-            paper=case.name,
             statement="The complementary sensitivity at the input stays below this.",
             tables=case,
             definitions=FORMULAS,

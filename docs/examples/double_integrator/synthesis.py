@@ -30,7 +30,6 @@ def identity(case: Case, results: Results) -> None:
         build.certificate(
             "identity",
             id="riccati",
-            paper=case.name,
             statement="P = [[r, 1], [1, r]] solves the Riccati equation with the weights 1 and r^2 - 2.",
             tables=case,
             definitions={"A": FORMULAS["A"], "B": FORMULAS["B"], "S": "[[r, 1], [1, r]]"},

@@ -13,7 +13,6 @@ def stabilising(case: Case, results: Results) -> None:
         build.certificate(
             "eigenvalues",
             id="stabilising",
-            paper=case.name,
             statement="The rightmost eigenvalue of A + B B' X lies in this interval.",
             tables=case,
             definitions={**DATA, "X": "printed('X')"},

@@ -25,7 +25,6 @@ def mixed_controller(case: Case, results: Results) -> None:
         certificate = build.certificate(
             kind,
             id=quantity.replace(".", "-"),
-            paper=case.name,
             statement="The controller of the mixed problem keeps this norm below the level.",
             tables=case,
             definitions=MIXED_LOOP,

@@ -55,7 +55,7 @@ def cpu_of_command(arguments: Sequence[str], folder: Path) -> float:
     Raises
     ------
     RuntimeError
-        If the command fails: a broken run is no measurement.
+        If the command fails: a broken run is not a measurement.
     """
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}

@@ -22,7 +22,7 @@ def rows() -> Iterator[Row]:
     Raises
     ------
     RuntimeError
-        If an answer is not the one known, or not proved: that is no measurement.
+        If an answer is not the one known, or not proved: that is not a measurement.
     """
     rng = np.random.default_rng(60)
     _plain(draw(rng, 2, 1, True, 1e-2))  # cvxpy's imports are none of its time

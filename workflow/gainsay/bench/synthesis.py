@@ -14,7 +14,7 @@ def rows(case: Case) -> Iterator[Row]:
     Raises
     ------
     RuntimeError
-        If it is not solved: a broken run is no measurement.
+        If it is not solved: a broken run is not a measurement.
     """
     state_feedback = import_module("papers.wan2014.statements").state_feedback
     program = state_feedback(case).program()

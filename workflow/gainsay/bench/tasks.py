@@ -117,7 +117,7 @@ def _of_paper(root: Path, paper: str) -> list[TaskRow]:
             measured.append(TaskRow(paper, step, name, time.process_time() - begun, meter.seconds))
         results.close()
     if failed := read_part(case, "failures"):
-        raise RuntimeError(f"{len(failed)} tasks failed, which is no measurement: {failed[0]['message']}")
+        raise RuntimeError(f"{len(failed)} tasks failed, which is not a measurement: {failed[0]['message']}")
     return measured
 
 

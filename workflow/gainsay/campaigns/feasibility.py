@@ -37,7 +37,7 @@ def certified(stated: Stated, name: str, sentence: str) -> tuple[str, Certificat
     (outcome, certificate)
         `UNDECIDED` and None where the checker accepted neither a point nor multipliers.
     """
-    parts = {**stated.parts(), "id": name, "paper": stated.case.name}
+    parts = {**stated.parts(), "id": name}
     for candidate in candidates(stated.program()):
         try:
             if candidate.values:

@@ -124,7 +124,7 @@ class Matrix:
         Raises
         ------
         RingError
-            If this is no rational number.
+            If this is not a rational number.
         """
         if self.ring != RATIONAL or not self.is_number:
             raise RingError(f"expected a rational number, found a {self.ring} of shape {self.shape}")
@@ -228,7 +228,7 @@ class Matrix:
         return Matrix(result)
 
     def over(self, other: "Matrix") -> "Matrix":
-        """Divide by a number that is no polynomial and provably not zero."""
+        """Divide by a number that is not a polynomial and provably not zero."""
         if not other.is_number:
             raise RingError(f"division by a matrix of shape {other.shape}")
         number = other.entry(0, 0)

@@ -175,7 +175,7 @@ class Words:
         """
         blocks: dict[tuple[int, int], Sum] = {}
         if self.heights != self.widths or set(self.blocks) != {(i, i) for i in range(len(self.heights))}:
-            raise WordsError("inverse of what is no block diagonal of numbers and letters")
+            raise WordsError("inverse of what is not a block diagonal of numbers and letters")
         for place, terms in self.blocks.items():
             if len(terms) != 1:
                 raise WordsError("inverse of a sum")

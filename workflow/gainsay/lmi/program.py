@@ -82,8 +82,8 @@ class Program:
     Raises
     ------
     InputError
-        If the objective is no scalar, a coefficient no number, the margin none of 0 to 1, two unknowns have one name,
-        or the scale names no unknown.
+        If the objective is not a scalar, a coefficient is not a number, the margin is outside 0 to 1, two unknowns have
+        one name, or the scale names no unknown.
     """
 
     minimise: Any = None

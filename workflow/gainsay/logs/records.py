@@ -55,7 +55,7 @@ class Fields:
         try:
             return self.blob().decode()
         except UnicodeDecodeError:
-            raise self.where.error("text that is no UTF-8", self.offset + start) from None
+            raise self.where.error("text that is not UTF-8", self.offset + start) from None
 
     def pairs(self) -> dict[str, str]:
         """A map of texts, each key once."""

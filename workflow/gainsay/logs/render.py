@@ -22,7 +22,7 @@ _WAIT = 20.0  # seconds for the viewer to load, or to stop changing
 
 
 class NotCheckedError(GainsayError):
-    """The viewer cannot run here: nothing was checked, which is no pass; commands end with exit code 3."""
+    """The viewer cannot run here: nothing was checked, which is not a pass; commands end with exit code 3."""
 
 
 @dataclass

@@ -30,6 +30,7 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
     draft : Certificate
         Its data are ignored; its conclusions are kept, those of `quantities` are added.
     tables : gainsay.tables.Case or any `gainsay.proof.scope.Tables`
+        Their name is the paper's.
     quantities : mapping, optional
         From what the kind proves something about ("norm", "feasible", ...) to ids of quantities. Where there are no
         conclusions at all, everything proved is concluded of the formulas themselves, under no quantity.
@@ -78,7 +79,6 @@ def certificate(
     kind: str,
     *,
     id: str,
-    paper: str,
     statement: str,
     tables: Any,
     fields: Mapping[str, Any],
@@ -96,9 +96,10 @@ def certificate(
     ----------
     kind : str
         Module of `gainsay.proof.kinds`.
-    id, paper, statement, definitions, unknowns, fields, faith, precision
+    id, statement, definitions, unknowns, fields, faith, precision
         As in the certificate; definitions as pairs or a mapping in order.
     tables : gainsay.tables.Case or any `gainsay.proof.scope.Tables`
+        Their name is the paper's.
     witness : mapping of str to array_like
         Floats are rounded to each of `digits` in turn until the check passes; texts and fractions stay as they are.
         Unknowns follow their structure; of the others ``P``, ``S``, ``D1``, ... are made symmetric, ``G1``, ... skew.
@@ -118,7 +119,7 @@ def certificate(
     rounds = digits if any(has_floats(rows) for rows in raw.values()) else digits[:1]
     draft = Certificate(
         id=id,
-        paper=paper,
+        paper=tables.name,
         statement=statement,
         kind=kind,
         fields=fields,
@@ -168,7 +169,7 @@ def feasible_point(
     """
     unknowns = parts["unknowns"]
     raw = {name: listed(values) for name, values in point.items()}
-    draft = frame("feasible", parts)
+    draft = frame("feasible", tables, parts)
 
     def attempt(count: int) -> Certificate:
         near = {n: rounded(rows, count, unknowns[n].get("structure", "full")) for n, rows in raw.items()}
@@ -194,7 +195,7 @@ def farkas(*, tables: Any, multipliers: Mapping[str, Any], digits: Sequence[int]
     CertificateError
         If it is refused with every number of digits.
     """
-    draft = frame("farkas", parts)
+    draft = frame("farkas", tables, parts)
     raw = {name: listed(values) for name, values in multipliers.items()}
 
     def attempt(count: int) -> Certificate:
@@ -225,7 +226,7 @@ def dual_bound(
     """
     raw = {name: listed(values) for name, values in multipliers.items()}
     minimise = "minimise" in parts["fields"]
-    draft = frame("dual_bound", {**parts, "fields": {**parts["fields"], "bound": "0"}})
+    draft = frame("dual_bound", tables, {**parts, "fields": {**parts["fields"], "bound": "0"}})
 
     def attempt(count: int) -> Certificate:
         solved, slack = cancelling(draft, tables, raw, count, "minimise" if minimise else "maximise")
@@ -261,11 +262,11 @@ def _pairs(definitions: Iterable[tuple[str, str]] | Mapping[str, str]) -> tuple[
     return tuple((name, text) for name, text in pairs)
 
 
-def frame(kind: str, parts: Mapping[str, Any]) -> Certificate:
+def frame(kind: str, tables: Any, parts: Mapping[str, Any]) -> Certificate:
     """Certificate of that kind and these parts, without witness and conclusions: to evaluate its formulas in."""
     return Certificate(
         id=parts["id"],
-        paper=parts["paper"],
+        paper=tables.name,
         statement=parts["statement"],
         kind=kind,
         fields=parts["fields"],

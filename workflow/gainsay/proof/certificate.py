@@ -147,7 +147,7 @@ class Certificate:
         Raises
         ------
         CertificateError
-            If it is no certificate of this version, or its digest is not that of its contents.
+            If it is not a certificate of this version, or its digest is not that of its contents.
         """
         if len(text) > LARGEST_FILE:
             raise CertificateError(f"{name}: {len(text)} characters, expected at most {LARGEST_FILE}")
@@ -205,7 +205,7 @@ class Certificate:
             expect(key, list)
         for key, pattern in (("id", _ID), ("paper", _PAPER), ("kind", _PAPER)):
             if not pattern.fullmatch(raw[key]):
-                raise CertificateError(f"{name}: {key} {raw[key][:80]!r} is no plain name")
+                raise CertificateError(f"{name}: {key} {raw[key][:80]!r} is not a plain name")
         bits = expect("precision", int)
         if not 53 <= bits <= 4096:
             raise CertificateError(f"{name}: precision {bits}, expected 53 to 4096 bits")

@@ -97,7 +97,7 @@ def _same_data(certificate: Certificate, tables: Any) -> None:
             raise scope.fail(f"data: unknown group {group!r}")
         for name, stored in entries.items():
             if group == "design" and "." not in name:
-                raise scope.fail(f"data: {name!r} is no design and entry")
+                raise scope.fail(f"data: {name!r} is not a design and entry")
             read[group](name)
             now = reader.data.get(group, {}).get(name)
             if now is not None and now != stored:
@@ -160,7 +160,7 @@ def ends(value: str) -> tuple[Fraction, Fraction]:
     """Ends of an interval written ``low..high``."""
     low, separator, high = value.partition("..")
     if not separator:
-        raise ValueError(f"{value!r} is no interval low..high")
+        raise ValueError(f"{value!r} is not an interval low..high")
     return exact(low), exact(high)
 
 
@@ -201,10 +201,9 @@ def _check(
     certificate: Certificate, tables: Any, known: tuple[Sequence[Proved], dict[str, Any]] | None = None
 ) -> Proof:
     owner = certificate.id
-    paper = getattr(tables, "name", certificate.paper)
-    if paper != certificate.paper:
+    if tables.name != certificate.paper:
         raise CertificateError(
-            f"{owner}: a certificate of {certificate.paper!r}, checked against the tables of {paper!r}"
+            f"{owner}: a certificate of {certificate.paper!r}, checked against the tables of {tables.name!r}"
         )
     if not certificate.conclusions:
         raise CertificateError(f"{owner}: a certificate without a conclusion proves nothing")
@@ -292,5 +291,5 @@ def check_file(path: Path, root: Path) -> Proof:
 
     certificate = read_certificate(path)
     if certificate.paper not in paper_names(Path(root)):
-        raise CertificateError(f"{certificate.id}: about {certificate.paper!r}, which is no paper of this project")
+        raise CertificateError(f"{certificate.id}: about {certificate.paper!r}, which is not a paper of this project")
     return check(certificate, read_case(Path(root), certificate.paper))

@@ -35,7 +35,7 @@ def evaluate(text: str, names: Mapping[str, Words], letters: Mapping[str, Letter
     Raises
     ------
     CertificateError
-        If the text is no formula of this kind, or its blocks do not fit; the message quotes it.
+        If the text is not a formula of this kind, or its blocks do not fit; the message quotes it.
     """
     line, tree = one_line(text), parse(text)
     try:
@@ -79,7 +79,7 @@ class _Reading:
         try:
             return exact(text)
         except ValueError as error:
-            raise WordsError(f"{text[:40]!r} is no decimal") from error
+            raise WordsError(f"{text[:40]!r} is not a decimal") from error
 
     def power(self, base: Words, exponent: int) -> Words:
         if exponent > _LARGEST_POWER or base.shape[0] != base.shape[1]:

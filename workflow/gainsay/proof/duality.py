@@ -84,7 +84,7 @@ def unknown_boxes(scope: Scope) -> dict[str, tuple[Fraction, Fraction]]:
     boxes: Mapping[str, Any] = scope.certificate.fields.get("boxes", {})
     for name, printed in boxes.items():
         if name not in shapes:
-            raise scope.fail(f"box of {name!r}, which is no unknown")
+            raise scope.fail(f"box of {name!r}, which is not an unknown")
         low, high = box_ends(scope, printed)
         (shape, structure) = shapes[name]
         if structure not in ("full", "symmetric"):

@@ -95,7 +95,7 @@ def evaluate(text: str, names: Mapping[str, Matrix], source: Source) -> Matrix:
     Raises
     ------
     CertificateError
-        If the text is no formula, names something unknown, or its shapes do not fit; the message quotes it.
+        If the text is not a formula, names something unknown, or its shapes do not fit; the message quotes it.
     """
     return _Evaluator(text, names, source).run(parse(text))
 
@@ -161,7 +161,7 @@ def check_name(name: object) -> str:
         If it is no ASCII identifier (Python would fold others into each other), or stands for something else already.
     """
     if not isinstance(name, str) or not _NAME.fullmatch(name) or keyword.iskeyword(name):
-        raise CertificateError(f"{str(name)[:80]!r} is no name: expected ASCII letters, digits and underscores")
+        raise CertificateError(f"{str(name)[:80]!r} is not a name: expected ASCII letters, digits and underscores")
     if name in _FUNCTIONS or name in _CONSTANTS:
         raise CertificateError(f"the name {name!r} belongs to the formula language")
     return name
@@ -223,7 +223,7 @@ class _Evaluator:
         try:
             return Matrix.number(exact(literal))
         except ValueError as error:
-            raise self.fail(f"{literal!r} is no decimal") from error
+            raise self.fail(f"{literal!r} is not a decimal") from error
 
     def on_name(self, node: ast.Name) -> Matrix:
         if node.id in self.names:

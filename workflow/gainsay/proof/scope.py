@@ -21,7 +21,11 @@ STRUCTURES = ("symmetric", "full", "diagonal", "skew")
 
 
 class Tables(Protocol):
-    """What a certificate is checked against; `gainsay.tables.Case` is one."""
+    """What a certificate is checked against, under the name of its paper; `gainsay.tables.Case` is one."""
+
+    @property
+    def name(self) -> str:
+        """Name of the paper."""
 
     def exact(self, name: str) -> Fraction:
         """Parameter in SI."""
@@ -55,6 +59,8 @@ class MappingTables:
     numbers : mapping of str to exact number
     printed : mapping of str to rows of decimal texts
     designs : mapping of (name, entry) to rows of floats
+    name : str
+        Of the paper.
     """
 
     def __init__(
@@ -62,7 +68,9 @@ class MappingTables:
         numbers: Mapping[str, object] | None = None,
         printed: Mapping[str, Sequence[Sequence[str]]] | None = None,
         designs: Mapping[tuple[str, str], Any] | None = None,
+        name: str = "tables",
     ) -> None:
+        self.name = name
         self._numbers, self._printed = dict(numbers or {}), dict(printed or {})
         self._designs = dict(designs or {})
 
@@ -83,7 +91,7 @@ class CaseTables:
     """A paper's tables and designs as the checker reads them."""
 
     def __init__(self, case: Any) -> None:
-        self.case = case
+        self.case, self.name = case, str(case.name)
 
     def exact(self, name: str) -> Fraction:
         """Parameter in SI."""

@@ -19,8 +19,11 @@ Relation = Literal["<", "<=", "==", ">=", ">"]
 _RELATIONS: dict[type, Relation] = {ast.Lt: "<", ast.LtE: "<=", ast.Eq: "==", ast.GtE: ">=", ast.Gt: ">"}
 #: what adds and multiplies, of numbers and matrices of every ring; division differs from ring to ring
 OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.MatMult: operator.matmul
-}  # fmt: skip
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.MatMult: operator.matmul,
+}
 #: largest literal integer: sizes, subscripts
 LARGEST_SIZE = 400
 _LONGEST = 20_000
@@ -47,7 +50,7 @@ def parse(text: str) -> ast.expr:
     Raises
     ------
     CertificateError
-        If the text is too long, holds a character that is not part of the language, or is no expression.
+        If the text is too long, holds a character that is not part of the language, or is not an expression.
     """
     if not isinstance(text, str) or len(text) > _LONGEST:
         raise CertificateError(f"a formula must be a text of at most {_LONGEST} characters")
@@ -72,7 +75,7 @@ def segment(text: str, node: ast.expr) -> str:
 
 
 def compared(text: str) -> tuple[ast.expr, Relation, ast.expr] | None:
-    """The two sides of a constraint and the relation between them; None of what is no comparison of two formulas.
+    """The two sides of a constraint and the relation between them; None of what is not a comparison of two formulas.
 
     Raises
     ------
@@ -110,7 +113,7 @@ def subscripts(node: ast.Subscript, shape: Sequence[int]) -> list[list[int]]:
     Raises
     ------
     ValueError
-        If it leaves the matrix, or is no subscript of the language.
+        If it leaves the matrix, or is not a subscript of the language.
     """
     parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
     if len(parts) == 1 and 1 in shape:

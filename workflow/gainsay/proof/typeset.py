@@ -282,7 +282,7 @@ def tex(text: str) -> str:
     Raises
     ------
     CertificateError
-        If the text is no formula.
+        If the text is not a formula.
 
     Examples
     --------

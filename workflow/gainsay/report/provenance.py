@@ -126,9 +126,11 @@ def write_provenance(root: Path) -> Path:
         "processor": _processor(),
         "processors": os.cpu_count(),
         "versions": {"python": platform.python_version(), **dict(_versions())},
-        "kernels": {name: os.environ.get(name) for name in ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES",
-                                                            "GLIBC_TUNABLES", "OMP_NUM_THREADS")},
-    }  # fmt: skip
+        "kernels": {
+            name: os.environ.get(name)
+            for name in ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES", "GLIBC_TUNABLES", "OMP_NUM_THREADS")
+        },
+    }
     path = root / "results" / "provenance.json"
     write_atomically(path, json.dumps(content, indent=2) + "\n")
     return path

@@ -51,7 +51,7 @@ class GainView:
 
 @dataclass(frozen=True)
 class NumberView:
-    """A published number that is no entry of a gain."""
+    """A published number that is not an entry of a gain."""
 
     sort: str
     claim: str

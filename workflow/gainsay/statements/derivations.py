@@ -111,7 +111,6 @@ def implication(
     return build.certificate(
         "implication",
         id=id,
-        paper=case.name,
         statement=sentence,
         tables=case,
         definitions=expanded,

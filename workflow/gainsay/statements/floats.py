@@ -69,7 +69,7 @@ class Floats:
         Raises
         ------
         CertificateError
-            If the text is no formula, or names something unknown; the message quotes it.
+            If the text is not a formula, or names something unknown; the message quotes it.
         InputError
             If it is not affine in the unknowns, or its shapes do not fit.
         """

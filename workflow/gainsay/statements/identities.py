@@ -122,13 +122,10 @@ def _made(
     return build.certificate(
         kind,
         id=id or quantity.replace(".", "-").replace("_", "-"),
-        paper=case.name,
         tables=case,
         statement=sentence,
         definitions=definitions,
-        unknowns={
-            name: {} if isinstance(unknowns, str) else unknown.entry() for name, unknown in _named(unknowns).items()
-        },
+        unknowns={name: unknown.entry() for name, unknown in _named(unknowns).items()},
         witness=point,
         fields=fields,
         quantities={"identity": quantity} if quantity else {},

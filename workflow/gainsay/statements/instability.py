@@ -54,7 +54,7 @@ def wrong_inertia(stated: Stated, **parts: Any) -> Certificate:
 
 def _proposals(stated: Stated, parts: Mapping[str, Any]) -> Iterator[tuple[dict[str, str], dict[str, Any]]]:
     """Fields and witnesses to try."""
-    frame = build.frame("wrong_inertia", parts)
+    frame = build.frame("wrong_inertia", stated.case, parts)
     with precision(frame.precision):
         scope = Scope(frame, stated.case)
         scope.bind_indeterminates()

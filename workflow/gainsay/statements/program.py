@@ -66,7 +66,7 @@ class Stated:
                 _join(unknowns, constraint.statement.unknowns, constraint.label, "unknown")
                 _join(definitions, constraint.statement.definitions(self.case), constraint.label, "definition")
         texts = [constraint.text for constraint in listed] + ([self.minimise] if self.minimise else [])
-        definitions = _needed(definitions, texts)
+        definitions = _used(definitions, texts)
         used = set().union(*(names_in(text) for text in (*texts, *definitions.values())))
         unknowns = {name: unknown for name, unknown in unknowns.items() if name in used}
         labels = [constraint.label for constraint in listed]
@@ -172,7 +172,7 @@ def _join(known: dict[str, Any], more: Mapping[str, Any], label: str, what: str)
             raise InputError(f"{what} of another meaning", field=f"{label}, {name}", value=value, expected=known[name])
 
 
-def _needed(definitions: Mapping[str, str], texts: Iterable[str]) -> dict[str, str]:
+def _used(definitions: Mapping[str, str], texts: Iterable[str]) -> dict[str, str]:
     """Definitions that the texts use, directly or through others, in their order."""
     wanted = set().union(*map(names_in, texts)) if texts else set()
     for name in reversed(list(definitions)):

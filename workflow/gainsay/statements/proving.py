@@ -62,7 +62,6 @@ def prove(
     parts = {
         **stated.parts(),
         "id": id or _slug(quantity),
-        "paper": results.case.name,
         "quantities": {"feasible": quantity},
         "faith": faith,
         "digits": digits,
@@ -127,7 +126,6 @@ def above(
     """
     return build.feasible_point(
         id=id,
-        paper=case.name,
         statement=f"A point bounds the infimum of {sentence} from above.",
         point=_point(stated, values),
         quantities={"objective": quantity},
@@ -144,7 +142,6 @@ def below(
     def made(weights: Mapping[str, Any]) -> Certificate:
         return build.dual_bound(
             id=id,
-            paper=case.name,
             statement=f"Multipliers bound the infimum of {sentence} from below.",
             multipliers=_multipliers(stated, weights),
             quantities={"objective": quantity},

@@ -68,9 +68,9 @@ def read_constraint(text: str, label: str | None = None) -> Constraint:
     Raises
     ------
     CertificateError
-        If it is no expression of the formula language.
+        If it is not an expression of the formula language.
     InputError
-        If it is no comparison of two formulas.
+        If it is not a comparison of two formulas.
     """
     sides = compared(text)
     if sides is None:
@@ -107,7 +107,7 @@ class Statement:
     InputError
         If a block stands in no row, or stands twice.
     CertificateError
-        If a text is no formula.
+        If a text is not a formula.
 
     Examples
     --------

@@ -202,8 +202,10 @@ def _about(path: Path, file: str) -> dict[str, Any]:
     """Describe a file of a crate."""
     data = path.read_bytes()
     about: dict[str, Any] = {
-        "name": file, "contentSize": str(len(data)), "sha256": hashlib.sha256(data).hexdigest(),
-    }  # fmt: skip
+        "name": file,
+        "contentSize": str(len(data)),
+        "sha256": hashlib.sha256(data).hexdigest(),
+    }
     if path.suffix in FORMATS:
         about["encodingFormat"] = FORMATS[path.suffix]
     if file == WORKFLOW:
@@ -244,10 +246,13 @@ def _metadata(
         about = {"name": name, "softwareVersion": version, "description": role}
         software.append(thing(home, "SoftwareApplication", **about, **({} if home.startswith("#") else {"url": home})))
     language = thing(
-        "https://w3id.org/workflowhub/workflow-ro-crate#snakemake", "ComputerLanguage", name="Snakemake",
-        alternateName="Snakemake", identifier={"@id": "https://doi.org/10.1093/bioinformatics/bty350"},
+        "https://w3id.org/workflowhub/workflow-ro-crate#snakemake",
+        "ComputerLanguage",
+        name="Snakemake",
+        alternateName="Snakemake",
+        identifier={"@id": "https://doi.org/10.1093/bioinformatics/bty350"},
         url={"@id": "https://snakemake.github.io"},
-    )  # fmt: skip
+    )
     files = {
         file: crate.add_file(root / file, file, properties=_about(root / file, file)) for file in [*went_in, *came_out]
     }
@@ -255,11 +260,17 @@ def _metadata(
     workflow["version"] = versions.get("gainsay", "unknown")
     workflow["programmingLanguage"], workflow["softwareRequirements"] = language, software
     action = thing(
-        "#run", "CreateAction", name=f"Recomputation of {named}", instrument=workflow, agent=agent, endTime=finished,
+        "#run",
+        "CreateAction",
+        name=f"Recomputation of {named}",
+        instrument=workflow,
+        agent=agent,
+        endTime=finished,
         description="Synthesis, audit, simulation, figures and verdicts, from the tables of each paper",
         actionStatus="http://schema.org/CompletedActionStatus",
-        object=[files[file] for file in went_in], result=[files[file] for file in came_out],
-    )  # fmt: skip
+        object=[files[file] for file in went_in],
+        result=[files[file] for file in came_out],
+    )
     top = crate.root_dataset
     top["name"] = f"{named}, recomputed"
     top["description"] = "Tables, modules, results, certificates and logs of a run of Gainsay; check: gainsay verify"

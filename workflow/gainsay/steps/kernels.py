@@ -24,7 +24,7 @@ from gainsay.verdicts.differences import Difference, differences
 from gainsay.verdicts.record import scan_items, scans_of
 from gainsay.verdicts.tolerance import share
 
-#: part of its tolerance that a quantity may use on another machine; above it, its bound is no bound
+#: part of its tolerance that a quantity may use on another machine; above it, its bound is not a bound
 LARGEST_SHARE = 0.3
 STEPS = ("synthesis", "audit", "simulation", "verdicts")
 COLUMNS = ("paper", "quantity", "class", "share", "machine")
@@ -63,14 +63,23 @@ MACHINES = (
     ),
     Machine(
         "Haswell, NumPy without AVX-512",
-        {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL", **_threads(1),
-         "PYTHONHASHSEED": "2"},
+        {
+            "OPENBLAS_CORETYPE": "Haswell",
+            "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL",
+            **_threads(1),
+            "PYTHONHASHSEED": "2",
+        },
         ("avx2", "avx512f"),
     ),
     Machine(
         "Zen, NumPy without AVX2, C library without FMA",
-        {"OPENBLAS_CORETYPE": "Zen", "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL",
-         "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4", **_threads(1), "PYTHONHASHSEED": "1"},
+        {
+            "OPENBLAS_CORETYPE": "Zen",
+            "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL",
+            "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4",
+            **_threads(1),
+            "PYTHONHASHSEED": "1",
+        },
         ("avx2",),
         quick=True,
     ),
@@ -79,7 +88,7 @@ MACHINES = (
         {"OPENBLAS_CORETYPE": "SkylakeX", **_threads(2), "PYTHONHASHSEED": "2"},
         ("avx512f", "avx512dq"),
     ),
-)  # fmt: skip
+)
 
 
 def processor_flags() -> frozenset[str]:

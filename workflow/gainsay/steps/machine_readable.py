@@ -33,7 +33,7 @@ def _place(case: Case, what: str, item: str) -> tuple[str, int]:
     return f"papers/{case.name}/paper.toml", 1
 
 
-def _said(difference: Difference) -> str:
+def _line(difference: Difference) -> str:
     _, what, item, expected, value, note = difference
     return f"{what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}" + (
         f"; {note}" if note else ""
@@ -52,7 +52,7 @@ def annotations(cases: Sequence[Case], found: Iterable[Difference]) -> Iterator[
         case = known.get(difference[0])
         file, line = _place(case, difference[1], difference[2]) if case else ("Snakefile", 1)
         title = _escaped(f"{difference[0]} {difference[1]} {difference[2]}", ",:")
-        yield f"::error file={_escaped(file, ',:')},line={line},title={title}::{_escaped(_said(difference))}"
+        yield f"::error file={_escaped(file, ',:')},line={line},title={title}::{_escaped(_line(difference))}"
 
 
 def _clean(text: str) -> str:
@@ -88,4 +88,4 @@ def write_junit(path: Path, cases: Sequence[Case], found: Iterable[Difference]) 
 def _test(suite: ElementTree.Element, paper: str, name: str, difference: Difference | None) -> None:
     test = ElementTree.SubElement(suite, "testcase", classname=_clean(paper), name=_clean(name))
     if difference is not None:
-        ElementTree.SubElement(test, "failure", message=_clean(_said(difference)))
+        ElementTree.SubElement(test, "failure", message=_clean(_line(difference)))

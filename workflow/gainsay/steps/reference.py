@@ -181,12 +181,12 @@ def _entry(name: str, value: Callable) -> Iterator[str]:
                 yield from (
                     "",
                     *wrap(f".{method}{_signature(function)}", 116, subsequent_indent="    "),
-                    *indent(_said(value, function), "    ").splitlines(),
+                    *indent(_summary(value, function), "    ").splitlines(),
                 )
     yield from ("```", "")
 
 
-def _said(owner: type, method: Callable) -> str:
+def _summary(owner: type, method: Callable) -> str:
     """Docstring of a method: in full where the modules of a paper call it by its arguments, else its first line."""
     text = inspect.cleandoc(method.__doc__ or "")
     return text if owner.__name__ in IN_FULL else text.partition("\n")[0]

@@ -38,13 +38,16 @@ def _rows(case: Case, table: str, columns: Sequence[str]) -> list[dict[str, str]
 def joined(cases: Sequence[Case]) -> dict[str, Table]:
     """Return the tables over some papers by the name of their file."""
     return {
-        table: (columns, [
-            [case.name if column == "paper" else row[column] for column in columns]
-            for case in cases
-            for row in _rows(case, table, columns)
-        ])
+        table: (
+            columns,
+            [
+                [case.name if column == "paper" else row[column] for column in columns]
+                for case in cases
+                for row in _rows(case, table, columns)
+            ],
+        )
         for table, columns in JOINED.items()
-    }  # fmt: skip
+    }
 
 
 def write_report(root: Path, papers: Sequence[PaperResults]) -> None:

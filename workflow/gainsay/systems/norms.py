@@ -106,7 +106,7 @@ def require_sample(sample: float) -> None:
 
 
 def _bilinear(A: fmpq_mat, B: fmpq_mat, C: fmpq_mat, D: fmpq_mat) -> tuple[fmpq_mat, fmpq_mat, fmpq_mat, fmpq_mat]:
-    """Continuous system with the response at s of the discrete one at z = (1 + s)/(1 - s); -1 is no eigenvalue of A."""
+    """Continuous system with the response at s of the discrete one at z = (1 + s)/(1 - s); A has no eigenvalue -1."""
     inverse = (A + identity(A.nrows())).inv()
     return (A - identity(A.nrows())) * inverse, 2 * inverse * B, C * inverse, D - C * inverse * B
 

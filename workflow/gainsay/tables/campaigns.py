@@ -75,7 +75,7 @@ def axes(row: Campaign) -> tuple[Axis, ...]:
     Raises
     ------
     InputError
-        If the cell is no list of ranges, names an input twice, or a range is empty or cannot be logarithmic.
+        If the cell is not a list of ranges, names an input twice, or a range is empty or cannot be logarithmic.
     """
     found: dict[str, Axis] = {}
     for part in (word.strip() for word in row.inputs.split(";")):

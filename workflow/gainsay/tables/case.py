@@ -27,7 +27,7 @@ from gainsay.tables.models import (
 )
 from gainsay.tables.reading import PrintedMatrix
 from gainsay.tables.reads import note
-from gainsay.tables.units import to_si
+from gainsay.tables.units import is_exact, to_si
 
 
 class Designs(Mapping[str, Design]):
@@ -123,8 +123,21 @@ class Case:
         return row
 
     def exact(self, name: str) -> Fraction:
-        """Return a number in SI units as an exact rational."""
+        """Return a number in SI units as an exact rational.
+
+        Raises
+        ------
+        InputError
+            If pi belongs to its unit, as to degrees: it has no rational value in SI.
+        """
         row = self._parameter(name, "number")
+        if not is_exact(row.unit):
+            raise InputError(
+                file=f"papers/{self.name}/parameters.csv",
+                field=name,
+                value=f"{row.value} {row.unit}",
+                expected="a unit without pi, since an exact number is computed with: 1 for the number of degrees",
+            )
         return PrintedNumber(row.value).value * to_si(row.unit)[1]
 
     def rounded(self, name: str) -> tuple[Fraction, Fraction]:
@@ -135,7 +148,8 @@ class Case:
 
     def number(self, name: str) -> float:
         """Return a number in SI units as the nearest double."""
-        return float(self.exact(name))
+        row = self._parameter(name, "number")
+        return float(PrintedNumber(row.value).value * to_si(row.unit)[1])
 
     def choice(self, name: str) -> str:
         """Return a choice among words."""

@@ -63,7 +63,7 @@ def checked_name(name: str) -> str:
         expected = f"up to {_LONGEST_NAME} lower-case letters, digits and underscores, a letter first"
         raise InputError("name of a paper", value=name[:_LONGEST_NAME], expected=expected)
     if name in _RESERVED:
-        raise InputError("name of a paper", value=name, expected="a name that is no target of the workflow")
+        raise InputError("name of a paper", value=name, expected="a name that is not a target of the workflow")
     if keyword.iskeyword(name):
         raise InputError("name of a paper", value=name, expected="no keyword of Python, since it names a module")
     return name
@@ -168,8 +168,10 @@ def read_case(root: Path, paper: str) -> Case:
     folder = root / "papers" / paper
     parameters, matrices = _read_parameters(root, folder)
 
-    def table(file: str, model: type[AnyRow], key: str | tuple[str, ...], needed: bool = True) -> Mapping[Any, AnyRow]:
-        return _by(read_rows(folder / file, model, root, needed=needed), key, f"papers/{paper}/{file}")
+    def table(
+        file: str, model: type[AnyRow], key: str | tuple[str, ...], required: bool = True
+    ) -> Mapping[Any, AnyRow]:
+        return _by(read_rows(folder / file, model, root, required=required), key, f"papers/{paper}/{file}")
 
     paper_file = read_paper_file(folder / "paper.toml", root)
     case = Case(
@@ -179,15 +181,15 @@ def read_case(root: Path, paper: str) -> Case:
         parameters=parameters,
         quantities=table("quantities.csv", Quantity, "id"),
         claims=table("claims.csv", Claim, "id"),
-        errata=table("errata.csv", Erratum, "id", needed=False),
+        errata=table("errata.csv", Erratum, "id", required=False),
         not_checked=tuple(read_rows(folder / "not_checked.csv", NotChecked, root).values()),
-        replies=tuple(read_rows(folder / "replies.csv", Reply, root, needed=False).values()),
-        recorded=table("recorded.csv", Recorded, "quantity", needed=False),
-        recorded_scans=table("recorded_scans.csv", RecordedScan, ("claim", "item"), needed=False),
-        recorded_reads=table("recorded_reads.csv", RecordedRead, ("quantity", "parameter"), needed=False),
-        recorded_certificates=table("recorded_certificates.csv", RecordedCertificate, "certificate", needed=False),
+        replies=tuple(read_rows(folder / "replies.csv", Reply, root, required=False).values()),
+        recorded=table("recorded.csv", Recorded, "quantity", required=False),
+        recorded_scans=table("recorded_scans.csv", RecordedScan, ("claim", "item"), required=False),
+        recorded_reads=table("recorded_reads.csv", RecordedRead, ("quantity", "parameter"), required=False),
+        recorded_certificates=table("recorded_certificates.csv", RecordedCertificate, "certificate", required=False),
         designs=Designs(read_designs(folder, paper_file.designs, root)),
-        campaigns=table("campaigns.csv", Campaign, "name", needed=False),
+        campaigns=table("campaigns.csv", Campaign, "name", required=False),
         _matrices=MappingProxyType(matrices),
     )
     lint(case)

@@ -155,10 +155,13 @@ _WORDS = {
 }  # fmt: skip
 #: columns that hold sentences
 SENTENCES = {
-    "claims": ("statement", "basis", "note"), "errata": ("printed", "corrected", "effect"),
-    "not_checked": ("what", "reason"), "replies": ("disputed", "ground", "done"), "parameters": ("note",),
+    "claims": ("statement", "basis", "note"),
+    "errata": ("printed", "corrected", "effect"),
+    "not_checked": ("what", "reason"),
+    "replies": ("disputed", "ground", "done"),
+    "parameters": ("note",),
     "quantities": ("meaning",),
-}  # fmt: skip
+}
 
 
 def _script(found: re.Match[str]) -> str:

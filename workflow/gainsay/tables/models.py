@@ -5,8 +5,9 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
 
+from gainsay.errors import InputError
 from gainsay.exact.digits import EXPECTED, PrintedNumber
-from gainsay.tables.units import UNITS
+from gainsay.tables.units import to_si
 
 Verdict = Literal["reproduced", "contradicted", "undetermined", "undecided", "uncheckable", "failed"]
 Kind = Literal[
@@ -30,8 +31,10 @@ VERDICTS: tuple[str, ...] = get_args(Verdict)
 
 
 def _unit(value: str) -> str:
-    if value not in UNITS:
-        raise ValueError(f"a known unit ({', '.join(UNITS)})")
+    try:
+        to_si(value)
+    except InputError as error:
+        raise ValueError(error.expected) from error
     return value
 
 

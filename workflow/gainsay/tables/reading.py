@@ -30,8 +30,8 @@ def expectation(model: type[BaseModel], detail: ErrorDetails) -> tuple[str, obje
     return field, detail["input"], message.removeprefix("Input should be ").replace("String should", "text that should")
 
 
-def read_rows(path: Path, model: type[AnyRow], root: Path | None = None, *, needed: bool = True) -> dict[int, AnyRow]:
-    """Read a table whose columns are the fields of a model; one that is not needed may be missing, which is no row.
+def read_rows(path: Path, model: type[AnyRow], root: Path | None = None, *, required: bool = True) -> dict[int, AnyRow]:
+    """Read a table whose columns are the fields of a model; one that may be missing has no rows then.
 
     Columns that may be empty in every row may be left out, all others stand in the order of the model.
 
@@ -46,7 +46,7 @@ def read_rows(path: Path, model: type[AnyRow], root: Path | None = None, *, need
         At the first fault, naming file, row, field, value and what was expected.
     """
     file = shown(path, root)
-    if not needed and not is_there(path, root):
+    if not required and not is_there(path, root):
         return {}
     header, rows = read_csv(path, root)
     wanted = [column for column in columns(model) if column in header or column not in optional(model)]

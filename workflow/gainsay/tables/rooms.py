@@ -26,7 +26,7 @@ _PART = re.compile(r"(?P<room>[a-z]+)(_[a-z][a-z0-9_]*)?", re.ASCII)
 
 
 def check_rooms(case: Case) -> None:
-    """Refuse a module of a paper that is no room, ``<room>.py``, and no part of one, ``<room>_<part>.py``.
+    """Refuse a module of a paper that is neither a room, ``<room>.py``, nor part of one, ``<room>_<part>.py``.
 
     Raises
     ------
@@ -41,4 +41,4 @@ def check_rooms(case: Case) -> None:
             near = nearest(path.stem, ROOMS)
             meant = f"{near}.py, perhaps; " if near else ""
             expected = f"{meant}<room>.py or <room>_<part>.py, the rooms being {', '.join(ROOMS)}"
-            raise InputError(f"papers/{case.name}/{path.name} is no room of a paper", expected=expected)
+            raise InputError(f"papers/{case.name}/{path.name} is not a room of a paper", expected=expected)

@@ -88,9 +88,16 @@ def _gain_rows(case: Case) -> Iterator[dict[str, str]]:
             rounding = float(row["rounding_low"]), float(row["rounding_high"])
             verdict = _entry_verdict(low, high, rounding, row["identified"] == "1")
         yield _row(
-            case, what="gain", entry=f"{row['gain']}({row['row']},{row['column']})", published=row["published"],
-            recomputed=value, low=low, high=high, identified=row["identified"], verdict=verdict,
-        )  # fmt: skip
+            case,
+            what="gain",
+            entry=f"{row['gain']}({row['row']},{row['column']})",
+            published=row["published"],
+            recomputed=value,
+            low=low,
+            high=high,
+            identified=row["identified"],
+            verdict=verdict,
+        )
 
 
 def _pole_rows(case: Case) -> Iterator[dict[str, str]]:
@@ -99,9 +106,16 @@ def _pole_rows(case: Case) -> Iterator[dict[str, str]]:
         low, high = value - radius, value + radius
         meets = low <= float(row["rounding_high"]) and float(row["rounding_low"]) <= high
         yield _row(
-            case, what="pole", entry=f"{row['set']} {row['pole']} {row['part']}", published=row["published"],
-            recomputed=value, unit="1/s", low=low, high=high, verdict="reproduced" if meets else "contradicted",
-        )  # fmt: skip
+            case,
+            what="pole",
+            entry=f"{row['set']} {row['pole']} {row['part']}",
+            published=row["published"],
+            recomputed=value,
+            unit="1/s",
+            low=low,
+            high=high,
+            verdict="reproduced" if meets else "contradicted",
+        )
 
 
 def _is_published(case: Case, claim: Claim) -> bool:
@@ -118,14 +132,28 @@ def _claim_rows(case: Case) -> Iterator[dict[str, str]]:
             continue
         row = verdicts.get(claim.id)
         if row is None:
-            yield _row(case, claim=claim.id, what=WHAT[claim.kind], entry=claim.quantity, published=claim.published,
-                       unit=claim.unit, verdict="failed")  # fmt: skip
+            yield _row(
+                case,
+                claim=claim.id,
+                what=WHAT[claim.kind],
+                entry=claim.quantity,
+                published=claim.published,
+                unit=claim.unit,
+                verdict="failed",
+            )
             continue
         yield _row(
-            case, claim=claim.id, what=WHAT[claim.kind], entry=claim.quantity, published=claim.published,
-            recomputed=_number(row["recomputed"]), unit=claim.unit, low=_number(row["range_low"]),
-            high=_number(row["range_high"]), verdict=row["verdict"],
-        )  # fmt: skip
+            case,
+            claim=claim.id,
+            what=WHAT[claim.kind],
+            entry=claim.quantity,
+            published=claim.published,
+            recomputed=_number(row["recomputed"]),
+            unit=claim.unit,
+            low=_number(row["range_low"]),
+            high=_number(row["range_high"]),
+            verdict=row["verdict"],
+        )
 
 
 def published_rows(case: Case) -> list[dict[str, str]]:

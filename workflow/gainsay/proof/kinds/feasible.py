@@ -22,7 +22,7 @@ def inside_boxes(scope: Scope) -> None:
     """Refuse a point that leaves the boxes of printed digits."""
     for name, printed in scope.certificate.fields.get("boxes", {}).items():
         if name not in scope.certificate.unknowns:
-            raise scope.fail(f"box of {name!r}, which is no unknown")
+            raise scope.fail(f"box of {name!r}, which is not an unknown")
         low, high = box_ends(scope, printed)
         point = scope.names[name]
         if point.shape != low.shape:

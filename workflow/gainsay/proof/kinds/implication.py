@@ -62,10 +62,10 @@ def unknowns(scope: Scope) -> dict[str, Letter]:
     shapes = scope.unknown_shapes()
     for name in invertible:
         if name not in shapes or shapes[name][0][0] != shapes[name][0][1]:
-            raise scope.fail(f"{name!r} is said to be invertible or positive, and is no square unknown")
+            raise scope.fail(f"{name!r} is declared invertible or positive, but is not a square unknown")
     for name in listed(scope, "positive"):
         if shapes[name][0] != (1, 1):
-            raise scope.fail(f"{name!r} is said to be a positive number, and is a matrix")
+            raise scope.fail(f"{name!r} is declared a positive number, but is a matrix")
     return {
         name: Letter(name, *shape, 1 if shape == (1, 1) else _SYMMETRY[structure], name in invertible)
         for name, (shape, structure) in shapes.items()
@@ -152,7 +152,7 @@ def hypothesis(
     """The positive matrix of a term: a hypothesis, or the identity."""
     if term["of"]:
         if term["of"] not in given:
-            raise scope.fail(f"a term of {term['of'][:60]!r}, which is no hypothesis")
+            raise scope.fail(f"a term of {term['of'][:60]!r}, which is not a hypothesis")
         return given[term["of"]]
     return identity(derivation.evaluate(term["with"], names, letters).shape[0], letters), True
 

@@ -109,7 +109,7 @@ def prove(scope: Scope) -> list[Proved]:
     """Prove every part at the level."""
     name = scope.field("level")
     if name not in [defined for defined, _ in scope.certificate.definitions]:
-        raise scope.fail(f"field 'level': {name!r} is no definition")
+        raise scope.fail(f"field 'level': {name!r} is not a definition")
     scope.define()
     found = [Proved("level", "at_least", to_text(scope.number(name)))]
     for part, kind, fields in _parts(scope):

@@ -1,4 +1,4 @@
-"""A complex number is no eigenvalue, of one matrix or of every matrix of a box of printed digits.
+"""A complex number is not an eigenvalue, of one matrix or of every matrix of a box of printed digits.
 
 Theorem: if |I - R (s I - A)| < 1 in a norm that is consistent, for some R, then s I - A is regular. R is the inverse
 at the midpoint, rounded; the norm is the largest row sum. The same R proves more: with t = |R| and
@@ -49,7 +49,7 @@ def distance(a: Matrix, point: acb) -> arb:
 
 
 def prove(scope: Scope) -> list[Proved]:
-    """Prove that s is no eigenvalue."""
+    """Prove that s is not an eigenvalue."""
     scope.define()
     a = scope.evaluate(scope.field("matrix"))
     if a.shape[0] != a.shape[1]:

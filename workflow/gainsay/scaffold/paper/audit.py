@@ -17,7 +17,6 @@ def poles(case: Case, results: Results) -> None:
     certificate = build.certificate(
         "eigenvalues",
         id="abscissa",
-        paper=case.name,
         statement="The slowest closed-loop pole lies in this interval.",
         tables=case,
         definitions=FORMULAS,
@@ -36,7 +35,6 @@ def torque_gain(case: Case, results: Results) -> None:
     certificate = build.certificate(
         "bounded_real",
         id="torque-gain",
-        paper=case.name,
         statement="The control torque is less than this multiple of the disturbance torque, in the L2 norm.",
         tables=case,
         definitions=FORMULAS,
@@ -54,7 +52,6 @@ def square(case: Case, results: Results) -> None:
     printed = build.certificate(
         "different",
         id="square-printed",
-        paper=case.name,
         statement="(4) as printed does not complete the square.",
         tables=case,
         unknowns=unknowns,
@@ -65,7 +62,6 @@ def square(case: Case, results: Results) -> None:
     corrected = build.certificate(
         "identity",
         id="square-corrected",
-        paper=case.name,
         statement="(4) with the sign corrected completes the square.",
         tables=case,
         unknowns=unknowns,
