@@ -23,9 +23,12 @@ from gainsay.lmi import (
     symmetric,
     trace,
 )
-from gainsay.lmi.affine import Affine, Definite
+from gainsay.lmi.affine import Affine, Definite, Entrywise
 from gainsay.lmi.centring import central_path
-from gainsay.lmi.rounding import RightInverse, twofold
+from gainsay.lmi.kernels import on_kernels
+from gainsay.lmi.multipliers import System
+from gainsay.lmi.points import holds
+from gainsay.lmi.rounding import RightInverse, proved_positive, twofold
 from gainsay.lmi.scaling import Scaled
 
 
@@ -165,3 +168,44 @@ def test_the_central_path_of_a_half_line():
     for mu, point, (multiplier,) in path:
         assert 0.5 * mu < point[0] - 1 < 1.5 * mu
         np.testing.assert_allclose(multiplier, 1.0, rtol=1e-9)
+
+
+def test_errors_around_a_proof_are_counted():
+    # I + E with |E_ij| <= e: definite whenever 2 e < 1, and at e = 2 it holds -I
+    assert proved_positive(np.eye(2), 0.4 * np.ones((2, 2)))
+    assert not proved_positive(np.eye(2), 2.0 * np.ones((2, 2)))
+    assert not proved_positive(np.eye(2), 2.0)
+
+
+@pytest.mark.parametrize(("reach", "proved"), [(0.0, True), (0.49, True), (1.1, False)])
+def test_a_step_out_of_the_cone_proves_nothing(monkeypatch, reach, proved):
+    # -1 + 0 x > 0 beside x - x: the multiplier I of size two has eigenvalues one, a step of norm above one may end it
+    x = scalar("x")
+    program = Program(subject_to=[x * np.diag([1.0, -1.0]) - np.eye(2) > 0])
+    scaled = Scaled(np.zeros(1), (-np.eye(2),), (np.diag([1.0, -1.0])[..., None],))
+    system = System(scaled, program.constraints, np.zeros(1))
+    assert system.solvable()
+    monkeypatch.setattr(RightInverse, "reach", lambda *_: reach)
+    assert (system.confined([np.eye(2)], 0.0) is not None) == proved
+
+
+def test_a_cost_that_no_multipliers_reach_has_no_equations():
+    x, y = scalar("x"), scalar("y")
+    for row, cost in (([1.0, 0.0], [1.0, 1.0]), ([1.0, 1.0], [1.0, 0.0])):
+        constraints = Program(subject_to=[row[0] * x + row[1] * y > 0]).constraints
+        scaled = Scaled(np.array(cost), (np.zeros((1, 1)),), (np.array([[row]]),))
+        assert not System(scaled, constraints, scaled.cost).solvable()
+        assert System(scaled, constraints, np.array(row)).solvable()
+
+
+def test_kernels_are_of_coefficients_proved_semidefinite():
+    x = scalar("x")
+    for least, kernels in ((0.0, 1), (-1e-12, 0)):
+        program = Program(subject_to=[x * np.diag([1.0, least, 0.0]) + np.diag([0.0, 1.0, -1.0]) > 0])
+        assert len(on_kernels(program)) == kernels
+
+
+def test_an_entry_below_zero_by_less_than_rounding_does_not_hold():
+    entry = Entrywise("x >= 1", scalar("x") - 1)
+    for value, right in ((1.0, True), (1 - 2.0**-53, False)):
+        assert holds(np.ones((1, 1)), -np.ones(1), entry, np.array([value])) == right
