@@ -17,7 +17,7 @@ from gainsay.statements.program import Stated
 __all__ = ["above", "below", "enclose", "prove"]
 
 # margins of multipliers that are to survive rounding, tried in turn: a narrow one loses less of the bound
-_INSIDE = ((1e-9, 1e-8, 1e-7), (1e-7,))
+_INSIDE = ((1e-9,), (1e-8,), (1e-7,), (1e-6,))
 
 
 def prove(
