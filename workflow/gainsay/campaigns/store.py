@@ -12,6 +12,7 @@ import numpy as np
 
 from gainsay.campaigns.plan import Block, Plan
 from gainsay.errors import InputError, missing_extra
+from gainsay.results.manifest import manifest_path
 from gainsay.tables.files import open_regular, write_json
 
 #: rows of a row group of the gathered table: what is held in memory at a time
@@ -220,7 +221,7 @@ def gather(plan: Plan) -> dict[str, Any]:
         "told": plan.evaluation.told(plan, counts),
         "table": {"file": path.name, "sha256": hashlib.file_digest(path.open("rb"), "sha256").hexdigest()},
     }
-    write_json(folder(plan) / f"{plan.row.name}.json", manifest)
+    write_json(manifest_path(plan.case, plan.row.name), manifest)
     return manifest
 
 

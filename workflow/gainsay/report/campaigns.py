@@ -1,13 +1,15 @@
 """Campaigns on the page of a paper: what each answers, from its manifest and figure alone."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from markupsafe import Markup, escape
 
 from gainsay.errors import InputError
 from gainsay.report.pictures import svg_uri
+from gainsay.results.manifest import current_manifest
 from gainsay.tables import Case
-from gainsay.tables.files import read_json, read_text
+from gainsay.tables.files import read_text
 
 __all__ = ["CampaignView", "campaign_views"]
 
@@ -25,33 +27,41 @@ class CampaignView:
         Points, and over which inputs.
     picture : Markup
         Its figure as a data URI; empty where there is none.
+    outdated : bool
+        Whether it was computed from other tables or code, so that nothing of it is shown.
     """
 
     name: str
     question: str
-    answers: tuple[str, ...]
-    size: str
-    picture: Markup
+    answers: tuple[str, ...] = ()
+    size: str = ""
+    picture: Markup = field(default_factory=Markup)
+    outdated: bool = False
 
 
-def campaign_views(case: Case) -> tuple[CampaignView, ...]:
-    """Return the campaigns of a paper that are gathered and still are those of its table, in the table's order."""
-    found = []
-    for name, row in case.campaigns.items():
-        manifest, picture = (case.results / "campaigns" / f"{name}.{ending}" for ending in ("json", "svg"))
-        try:
-            said = read_json(manifest, case.root)
-        except InputError:
-            continue
-        same = ("name", "kind", "inputs", "resolution", "seed", "block")
-        if not isinstance(said, dict) or any(said.get(key) != getattr(row, key) for key in same):
-            continue
-        told = said.get("told")
-        answers = tuple(text for text in told.values() if isinstance(text, str)) if isinstance(told, dict) else ()
-        size = f"{said.get('points')} points over {row.inputs.replace('..', ' to ')}"
-        try:
-            drawn = escape(svg_uri(read_text(picture, case.root)))
-        except InputError:
-            drawn = Markup()
-        found.append(CampaignView(name, row.question, answers, size, drawn))
-    return tuple(found)
+def campaign_views(case: Case, digests: Mapping[str, str]) -> tuple[CampaignView, ...]:
+    """Return the campaigns of a paper that have been gathered, in the table's order.
+
+    Parameters
+    ----------
+    case : Case
+    digests : mapping of name to text
+        Today's digest of all that the results of each gathered campaign depend on.
+    """
+    return tuple(
+        _view(case, name, digests[name], row.question) for name, row in case.campaigns.items() if name in digests
+    )
+
+
+def _view(case: Case, name: str, digest: str, question: str) -> CampaignView:
+    manifest = current_manifest(case, name, digest)
+    if manifest is None:
+        return CampaignView(name, question, outdated=True)
+    told = manifest.get("told")
+    answers = tuple(text for text in told.values() if isinstance(text, str)) if isinstance(told, dict) else ()
+    size = f"{manifest.get('points')} points over {case.campaigns[name].inputs.replace('..', ' to ')}"
+    try:
+        drawn = escape(svg_uri(read_text(case.results / "campaigns" / f"{name}.svg", case.root)))
+    except InputError:
+        drawn = Markup()
+    return CampaignView(name, question, answers, size, drawn)

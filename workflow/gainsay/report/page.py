@@ -90,7 +90,7 @@ class PaperPage:
     @cached_property
     def campaigns(self) -> tuple[CampaignView, ...]:
         """The campaigns that have been computed."""
-        return campaign_views(self.case)
+        return campaign_views(self.case, self.found.campaigns)
 
     @property
     def provenance(self) -> Provenance:

@@ -66,6 +66,8 @@ class PaperResults:
         A sentence for each result file that is not there.
     code : tuple of str
         Source files behind the results, below the project root.
+    campaigns : dict of name to text
+        Today's digest of all that the results of each gathered campaign depend on.
     """
 
     case: Case
@@ -81,6 +83,7 @@ class PaperResults:
     runs: list[RunFiles] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)
     code: tuple[str, ...] = ()
+    campaigns: Mapping[str, str] = field(default_factory=dict)
 
     def existing(self, file: str) -> str:
         """Return a path below the paper's results where such a file exists, else nothing."""
@@ -135,7 +138,10 @@ def _scans(found: PaperResults) -> None:
 
 
 def read_results(
-    case: Case, figure_runs: Mapping[str, Sequence[str]] | None = None, code: Sequence[str] = ()
+    case: Case,
+    figure_runs: Mapping[str, Sequence[str]] | None = None,
+    code: Sequence[str] = (),
+    campaigns: Mapping[str, str] | None = None,
 ) -> PaperResults:
     """Read everything that the page says of a paper.
 
@@ -146,13 +152,15 @@ def read_results(
         The runs that each figure is drawn from; None where not known.
     code : sequence of str, optional
         Source files behind the results.
+    campaigns : mapping of name to text, optional
+        Today's digest of each gathered campaign; without it none is shown.
 
     Returns
     -------
     PaperResults
         Whatever can be read; a file that is damaged costs what it held and nothing else.
     """
-    found = PaperResults(case, code=tuple(code))
+    found = PaperResults(case, code=tuple(code), campaigns=campaigns or {})
     found.verdicts = {row["claim"]: row for row in _table(found, "verdicts", "no claim is judged yet")}
     rows = _table(found, "quantities", "no number is computed yet")
     found.quantities = {row["quantity"]: row for row in rows}

@@ -2,7 +2,8 @@
 
 import math
 
-from gainsay.steps.campaign import plan_digest
+from gainsay.results.manifest import manifest_path
+from gainsay.steps.campaign import outdated, plan_digest
 from gainsay.tables import read_case
 from gainsay.tables.campaigns import counts, named, whole
 
@@ -24,6 +25,25 @@ def campaign_names():
     return [
         (paper, row.name) for paper, row in found if not chosen or row.name in chosen
     ]
+
+
+def gathered_anew(wildcards):
+    """Manifests of the campaigns to run; those of other tables or code are taken away, so that they are made again.
+
+    Snakemake by itself knows what a file was made from only where it made it, and as long as it keeps its notes.
+    """
+    names = campaign_names()
+    for paper in dict.fromkeys(paper for paper, _ in names):
+        case = read_case(ROOT, paper)
+        for name in outdated(case):
+            if (paper, name) in names:
+                print(
+                    f"{paper}: {name} is gathered again, its manifest is of other tables or code",
+                    flush=True,
+                )
+                if not workflow.dryrun:
+                    manifest_path(case, name).unlink()
+    return [f"results/{paper}/campaigns/{name}.json" for paper, name in names]
 
 
 def campaign_digest(wildcards):

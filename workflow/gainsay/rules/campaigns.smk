@@ -4,10 +4,7 @@
 
 rule campaigns:
     input:
-        lambda wildcards: [
-            f"results/{paper}/campaigns/{name}.json"
-            for paper, name in campaign_names()
-        ],
+        gathered_anew,
     localrule: True
 
 
@@ -45,7 +42,5 @@ rule campaign_gather:
     wildcard_constraints:
         name="[a-z0-9][a-z0-9_.-]*",
     localrule: True
-    params:
-        digest=campaign_digest,
     shell:
         "python -m gainsay.steps.campaign {wildcards.paper:q} {wildcards.name:q} 2>&1 | tee {log:q}"

@@ -7,6 +7,7 @@ again when the tables are as they were.
 
 import argparse
 import hashlib
+import os
 import sys
 from collections.abc import Sequence
 from functools import cache
@@ -16,6 +17,7 @@ from types import CodeType
 from typing import TYPE_CHECKING
 
 from gainsay.errors import InputError, one_of
+from gainsay.results.manifest import current_manifest, manifest_path
 from gainsay.steps.closure import closure
 from gainsay.steps.command import CLEAN, broken_off, refuse
 from gainsay.steps.modules import paper_module
@@ -86,6 +88,27 @@ def plan_digest(case: Case, row: Campaign) -> str:
     digest.update(repr(codes).encode())
     digest.update(repr([(name, version(name)) for name in LIBRARIES]).encode())
     return digest.hexdigest()[:_DIGITS]
+
+
+def gathered_digests(case: Case) -> dict[str, str]:
+    """Return today's digest of every campaign of a paper that has been gathered; empty where its code cannot be read.
+
+    Working out a digest takes longer than reading a manifest: what is not gathered costs nothing.
+    """
+    found = {}
+    for name, row in case.campaigns.items():
+        if os.path.lexists(manifest_path(case, name)):
+            try:
+                found[name] = plan_digest(case, row)
+            except InputError:
+                found[name] = ""
+    return found
+
+
+def outdated(case: Case) -> list[str]:
+    """Return the campaigns of a paper whose manifest belongs to other tables or code, or cannot be read."""
+    digests = gathered_digests(case)
+    return [name for name, digest in digests.items() if current_manifest(case, name, digest) is None]
 
 
 def plan_of(case: Case, name: str) -> "Plan":

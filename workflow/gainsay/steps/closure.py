@@ -17,7 +17,7 @@ from gainsay.errors import InputError
 from gainsay.tables.files import read_text, shown
 
 LIBRARY = Path(__file__).resolve().parents[1]
-#: the modules of a paper that each step runs
+#: the modules of a paper that each step runs; a page asks whether campaigns are of the code as it stands
 PAPER_MODULES = {
     "synthesis": ("synthesis",),
     "audit": ("audit",),
@@ -26,7 +26,7 @@ PAPER_MODULES = {
     "views": ("runs",),
     "verdicts": (),
     "compare": (),
-    "page": ("figures",),
+    "page": ("figures", "campaigns"),
     "report": (),
 }
 #: packages whose modules are loaded by name: one that is imported stands for all of them

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from gainsay.report import PaperResults, read_results, write_paper
 from gainsay.results.listing import write_listing
+from gainsay.steps.campaign import gathered_digests
 from gainsay.steps.closure import PAPER_MODULES, sources
 from gainsay.steps.command import step_command
 from gainsay.steps.modules import paper_module
@@ -22,7 +23,7 @@ def figure_runs(case: Case) -> Mapping[str, Sequence[str]] | None:
 def results_of(case: Case) -> PaperResults:
     """Return all that pages say of a paper."""
     code = {file for step in PAPER_MODULES for file in sources(case.root, step, case.name)}
-    return read_results(case, figure_runs(case), sorted(code))
+    return read_results(case, figure_runs(case), sorted(code), gathered_digests(case))
 
 
 def page(case: Case) -> None:
