@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from gainsay.cli import main
+from gainsay.errors import InputError
 from gainsay.steps import holding
 from gainsay.steps.command import step_command
 from gainsay.tables.files import write_atomically
@@ -33,7 +34,23 @@ def released():
     holding._held[len(before) :] = []
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+def test_what_is_no_file_is_not_replaced(tmp_path):
+    """A pipe stands for devices: `--junit /dev/null`, run by the superuser, put a file in the place of the device."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(InputError, match="not a file"):
+        write_atomically(pipe, "text")
+    assert pipe.is_fifo()
+
+
+def test_a_link_stays_one(tmp_path):
+    (tmp_path / "link").symlink_to("file")
+    write_atomically(tmp_path / "link", "text")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "file").read_text() == "text"
+
+
+@pytest.mark.skipif(not Path("/dev/full").is_char_device(), reason="no /dev/full here")
 @pytest.mark.parametrize("command", [["lint"], ["lint", "wan2014"]])
 def test_output_to_a_full_disk_is_one_line(command):
     with Path("/dev/full").open("wb") as full:

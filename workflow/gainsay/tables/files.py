@@ -42,7 +42,16 @@ def _lives(process: int) -> bool:
 
 
 def write_atomically(path: Path, data: bytes | str) -> None:
-    """Write a file under a temporary name, then rename it: readers never see half a file."""
+    """Write a file under a temporary name, then rename it: readers never see half a file.
+
+    Raises
+    ------
+    InputError
+        If something else than a file is there, such as a device: renaming would put the file in its place.
+    """
+    path = Path(os.path.realpath(path))  # of what a link leads to
+    if path.exists() and not path.is_file():
+        raise InputError("not a file", file=str(path), expected="a file, or a name that is free")
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{os.getpid()}.", suffix=_PART)
     try:
