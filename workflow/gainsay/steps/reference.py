@@ -72,6 +72,7 @@ LIBRARY = {
     "Synthesis": ("gainsay.systems.synthesis", ("StandardPlant", "hinf_state_feedback", "h2_state_feedback",
                                                 "hinf_output_feedback", "h2_output_feedback")),
     "Margins": ("gainsay.systems.margins", ("disk_margin", "structured_bounds")),
+    "Real and repeated uncertainty": ("gainsay.systems.mixed_mu", ("Block", "mixed_bounds")),
     "Simulation of linear systems": ("gainsay.simulation.linear", ("Response", "with_harmonics")),
     "Simulation of other systems": ("gainsay.simulation.ode", ("integrate", "largest", "last_crossing")),
     "Simulation with delays": ("gainsay.simulation.delay", ("simulate_delay",)),
