@@ -293,7 +293,9 @@ def test_an_interrupted_step_leaves_no_half_file_and_nothing_that_counts(toy):
     toy.edit("runs.py", "time = np.linspace", "import time as clock\n    log.event(0.0, 'a', 'b')\n"
              "    print('ready', flush=True)\n    clock.sleep(60)\n    time = np.linspace")  # fmt: skip
     running = subprocess.Popen(
-        [sys.executable, "-m", "gainsay.steps.simulation", "toy", "--root", str(toy.root)], stdout=subprocess.PIPE
+        [sys.executable, "-m", "gainsay.steps.simulation", "toy", "--root", str(toy.root)],
+        stdout=subprocess.PIPE,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background jobs ignore it
     )
     assert running.stdout.readline() == b"ready\n"
     running.send_signal(signal.SIGINT)

@@ -156,11 +156,21 @@ def _open(binary: str, rrd: Path, ports: tuple[int, ...]) -> int:
         arguments += ["--web-viewer", "--web-viewer-port", str(ports[0])]
     with quiet() as environment:
         environment.pop("RUST_LOG", None)  # the address of the web viewer is told as information
-        # A terminated command must not leave its viewer behind: end it by its own process id.
-        before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
         viewer = None
+        asked = []
+
+        def end(*_: object) -> None:
+            asked.append(True)
+            if viewer is not None:
+                sys.exit(143)
+
+        # A terminated command must not leave its viewer behind: end it by its own process id, which is not known yet
+        # while it starts.
+        before = signal.signal(signal.SIGTERM, end)
         try:
             viewer = subprocess.Popen(arguments, env=environment)
+            if asked:
+                sys.exit(143)
             code = viewer.wait()
         except KeyboardInterrupt:
             code = 0
