@@ -32,7 +32,7 @@ from papers.zhang2013.scans import figures
 from papers.zhang2013.statements import PLANT, PRINTED_LOOP, reduced_theorem_1, structured_theorem_1, theorem_1
 from papers.zhang2013.synthesis import certify_on_flexible
 
-DELAY_WIDTH, FLEXIBLE_WIDTH = 1e-6, 1e-4
+DELAY_WIDTH, FLEXIBLE_WIDTH = 1e-5, 1e-4
 """Relative widths to which the delay at which a condition turns is bisected, design model and flexible plant."""
 
 
