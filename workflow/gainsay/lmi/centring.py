@@ -49,7 +49,9 @@ def central_path(
     tuple of (mu, x, multipliers)
         The gap of the two is about mu times the rows of all inequalities. Floats, proved nothing.
     """
-    equations = [(t, c) for t, c, of in zip(scaled.tensors, scaled.constants, constraints, strict=True) if _equal(of)]
+    equations = [
+        (t, c) for t, c, of in zip(scaled.tensors, scaled.constants, constraints, strict=True) if isinstance(of, Equal)
+    ]
     rows = np.vstack([t for t, _ in equations]) if equations else np.zeros((0, len(x)))
     right = np.concatenate([c for _, c in equations]) if equations else np.zeros(0)
     mu = None
@@ -84,10 +86,6 @@ def _kernel(rows: np.ndarray) -> np.ndarray:
     """Orthonormal basis of what the rows do not see."""
     values, vectors = np.linalg.svd(rows)[1:]
     return vectors[int((values > 1e-12 * values.max(initial=0.0)).sum()) :].T
-
-
-def _equal(constraint: object) -> bool:
-    return isinstance(constraint, Equal)
 
 
 class _Seen:

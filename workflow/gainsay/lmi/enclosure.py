@@ -92,9 +92,9 @@ def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None)
             lower, proof = bound, multipliers
         if best.objective - lower < 1e-7 * abs(best.objective):
             break
-    # a margin that was asked for is not given up for a bound from the edge of the cones
-    ends = best.objective - lower if asked is None or not np.isfinite(lower) else 0.0
-    if not ends < 1e-6 * max(abs(best.objective), scale.cost):
+    # multipliers with a margin that was asked for are not given up for a sharper bound from the edge of the cones
+    kept = asked is not None and np.isfinite(lower)
+    if not kept and not best.objective - lower < 1e-6 * max(abs(best.objective), scale.cost):
         bound, multipliers = duality.lower_bound(program, scale, flat.multipliers, _CUTS)
         if bound > lower:
             lower, proof = bound, multipliers

@@ -84,15 +84,11 @@ class System:
 
         Steps are measured by E, so that they leave a multiplier positive whatever the sizes of its entries.
         """
-        frames = self._frames(multipliers, cut)
-        if frames is None:
-            return None
-        needed = self._needed(frames)
-        stated = self._within(frames, needed)
+        stated = self._stated(multipliers, cut)
         if stated is None:
             return None
         for sharp in (False, True) if self._few() else (False,):
-            found = self._corrected(frames, needed, *stated, sharp)
+            found = self._corrected(*stated, sharp)
             if found is not None:
                 return found
         return None
@@ -139,14 +135,10 @@ class System:
         """
         z = list(multipliers)
         for _ in range(_RESTORING):
-            frames = self._frames(z, 0.0)
-            if frames is None:
-                return None
-            needed = self._needed(frames)
-            stated = self._within(frames, needed)
+            stated = self._stated(z, 0.0)
             if stated is None:
                 return None
-            units, inverse = stated
+            frames, needed, units, inverse = stated
             cores = self._cores(frames)
             z, wide = assembled(self.constraints, frames, cores)
             rest, _ = self._rest(z, wide)
@@ -168,6 +160,17 @@ class System:
     def _needed(self, frames: Sequence[np.ndarray]) -> np.ndarray:
         """Whether each equation is to be solved: it holds something, or a right side."""
         return ~(self._met(frames) & (self.cost[self.kept] == 0))
+
+    def _stated(
+        self, multipliers: Sequence[np.ndarray], cut: float
+    ) -> tuple[list[np.ndarray], np.ndarray, np.ndarray, RightInverse] | None:
+        """The equations within the frames of multipliers: frames, equations to be solved, their units, an inverse."""
+        frames = self._frames(multipliers, cut)
+        if frames is None:
+            return None
+        needed = self._needed(frames)
+        solved = self._within(frames, needed)
+        return None if solved is None else (frames, needed, *solved)
 
     def _within(self, frames: Sequence[np.ndarray], needed: np.ndarray) -> tuple[np.ndarray, RightInverse] | None:
         """Equations in the cores of frames, in units that even them out: the units, and a right inverse."""

@@ -17,7 +17,7 @@ from gainsay.statements.program import Stated
 __all__ = ["above", "below", "enclose", "prove"]
 
 # margins of multipliers that are to survive rounding, tried in turn: a narrow one loses less of the bound
-_INSIDE = ((1e-9,), (1e-8,), (1e-7,), (1e-6,))
+_INSIDE = (1e-9, 1e-8, 1e-7, 1e-6)
 
 
 def prove(
@@ -154,8 +154,8 @@ def below(
     except CertificateError as error:
         refused = error
     # others further inside their cones, which lose a little of the bound and survive rounding
-    for margins in _INSIDE:
-        inside = infimum(stated.program(), margins=margins)
+    for margin in _INSIDE:
+        inside = infimum(stated.program(), margins=(margin,))
         if isinstance(inside, Infimum) and inside.multipliers:
             with suppress(CertificateError):
                 return made(inside.multipliers)

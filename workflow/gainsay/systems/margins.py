@@ -126,6 +126,17 @@ class StructuredBounds:
     scaling: np.ndarray
 
 
+def uncertain_matrix(M: ArrayLike) -> np.ndarray:
+    """The matrix of a structured singular value in complex doubles; InputError unless it is square and finite."""
+    try:
+        matrix = np.asarray(M, dtype=complex)
+    except (TypeError, ValueError) as error:
+        raise InputError("structured singular value", field="M", expected="a matrix of complex numbers") from error
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size or not np.isfinite(matrix).all():
+        raise InputError("structured singular value", field="M", value=matrix.shape, expected="a finite square matrix")
+    return matrix
+
+
 def structured_bounds(M: ArrayLike, blocks: Sequence[int]) -> StructuredBounds:
     """Bounds on the structured singular value of a matrix for full complex blocks.
 
@@ -155,12 +166,7 @@ def structured_bounds(M: ArrayLike, blocks: Sequence[int]) -> StructuredBounds:
     >>> round(structured_bounds([[0, 4], [1, 0]], [1, 1]).upper, 6)
     2.0
     """
-    try:
-        M = np.asarray(M, dtype=complex)
-    except (TypeError, ValueError) as error:
-        raise InputError("structured singular value", field="M", expected="a matrix of complex numbers") from error
-    if M.ndim != 2 or M.shape[0] != M.shape[1] or not M.size or not np.isfinite(M).all():
-        raise InputError("structured singular value", field="M", value=M.shape, expected="a finite square matrix")
+    M = uncertain_matrix(M)
     sizes = [int(k) for k in blocks]
     if any(k < 1 or k != b for k, b in zip(sizes, blocks, strict=True)) or sum(sizes) != len(M):
         raise InputError("blocks", value=list(blocks), expected=f"positive sizes that add up to {len(M)}")

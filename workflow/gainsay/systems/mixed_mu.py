@@ -31,6 +31,7 @@ from gainsay.errors import ComputationError, InputError
 from gainsay.exact.definite import hermitian_positive_definite
 from gainsay.exact.floats import real_number
 from gainsay.lmi import Affine, Program, Solved, affine, equal, scalar, solve, sym, symmetric, trace
+from gainsay.systems.margins import uncertain_matrix
 
 Kind = Literal["real", "complex", "full"]
 #: directions in which a small perturbation is sought, and of these the best from which a search begins
@@ -150,12 +151,7 @@ def mixed_bounds(M: ArrayLike, blocks: Sequence[Block], *, tolerance: float = 1e
 
 def _checked(M: ArrayLike, blocks: Sequence[Block]) -> np.ndarray:
     """The matrix in complex doubles, if the blocks fit it."""
-    try:
-        matrix = np.asarray(M, dtype=complex)
-    except (TypeError, ValueError) as error:
-        raise InputError("structured singular value", field="M", expected="a matrix of complex numbers") from error
-    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.size or not np.isfinite(matrix).all():
-        raise InputError("structured singular value", field="M", value=matrix.shape, expected="a finite square matrix")
+    matrix = uncertain_matrix(M)
     known = isinstance(blocks, Sequence) and all(isinstance(block, Block) for block in blocks)
     if not known or sum(block.size for block in blocks) != len(matrix):
         raise InputError("blocks", value=blocks, expected=f"Blocks whose sizes add up to {len(matrix)}")

@@ -118,7 +118,7 @@ def _readme(root: Path, cases: list[Case]) -> str:
     return f"{before}{_START}\n{rows}\n{_END}{after}"
 
 
-def _together(words: Iterable[str]) -> str:
+def _once(words: Iterable[str]) -> str:
     """Return each of some words once, in the order in which they come."""
     return "; ".join(word for word in dict.fromkeys(words) if word)
 
@@ -152,10 +152,10 @@ def _row(case: Case, together: tuple[Claim, ...]) -> str:
     blamed = {"possible": "could be to blame", "excluded": "not to blame"}
     cells = [
         _expected(together),
-        escaped(_together(claim.where for claim in together)),
+        escaped(_once(claim.where for claim in together)),
         "<br>".join(_parts(case, together)),
-        _together(claim.weight for claim in together),
-        _together(blamed.get(claim.ocr, "") for claim in together),
+        _once(claim.weight for claim in together),
+        _once(blamed.get(claim.ocr, "") for claim in together),
     ]
     return f"| {' | '.join(cells)} |"
 

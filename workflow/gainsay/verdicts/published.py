@@ -131,25 +131,20 @@ def _claim_rows(case: Case) -> Iterator[dict[str, str]]:
         if not _is_published(case, claim):
             continue
         row = verdicts.get(claim.id)
+        about = {
+            "claim": claim.id,
+            "what": WHAT[claim.kind],
+            "entry": claim.quantity,
+            "published": claim.published,
+            "unit": claim.unit,
+        }
         if row is None:
-            yield _row(
-                case,
-                claim=claim.id,
-                what=WHAT[claim.kind],
-                entry=claim.quantity,
-                published=claim.published,
-                unit=claim.unit,
-                verdict="failed",
-            )
+            yield _row(case, **about, verdict="failed")
             continue
         yield _row(
             case,
-            claim=claim.id,
-            what=WHAT[claim.kind],
-            entry=claim.quantity,
-            published=claim.published,
+            **about,
             recomputed=_number(row["recomputed"]),
-            unit=claim.unit,
             low=_number(row["range_low"]),
             high=_number(row["range_high"]),
             verdict=row["verdict"],
