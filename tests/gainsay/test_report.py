@@ -4,23 +4,18 @@ import json
 import re
 import runpy
 import shutil
-from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
-from types import SimpleNamespace
 from urllib.parse import unquote
-from xml.etree import ElementTree as Tree
 
 import pytest
 
 from gainsay.report import read_results, render_paper
 from gainsay.report.claims import verdicts_of
 from gainsay.report.designs import comparisons, design_views
-from gainsay.report.page import FOLDER, render_index
-from gainsay.report.pictures import data_uri
+from gainsay.report.page import render_index
 from gainsay.report.provenance import provenance_of
 from gainsay.report.published import published_view
-from gainsay.report.wording import condition, reason
 from gainsay.steps.report import main
 from gainsay.tables import find_root, paper_names, read_case
 from gainsay.tables.models import VERDICTS
@@ -356,46 +351,6 @@ def test_step_refuses_an_unknown_paper_in_one_line(root, capsys):
     assert not (root / "results" / "index.html").exists()
 
 
-def luminance(colour: str) -> float:
-    """Relative luminance as WCAG 2.2 defines it."""
-    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-
-@pytest.mark.parametrize("scheme", [0, 1], ids=["light", "dark"])
-def test_contrast_of_text(scheme):
-    # WCAG 2.2, 1.4.3: text of ordinary size has a contrast of 4.5 at least.
-    style = (FOLDER / "style.css").read_text(encoding="utf-8")
-    blocks = re.findall(r":root \{(.*?)\}", style, re.DOTALL)
-    colours = dict(re.findall(r"--([a-z]+): (#[0-9a-f]{6});", blocks[scheme]))
-    assert set(VERDICTS) < set(colours)
-    for ground in ("paper", "raised"):
-        for name in set(colours) - {"paper", "raised", "line"}:
-            light, dark = sorted((luminance(colours[name]), luminance(colours[ground])), reverse=True)
-            assert (light + 0.05) / (dark + 0.05) >= 4.5, (name, ground)
-
-
-@pytest.mark.parametrize(
-    "text", ['<svg width="1"><text>50% #1</text></svg>', "<svg id='a'><text>\"it's\"</text></svg>"]
-)
-def test_a_picture_inside_a_page_is_the_same_picture(tmp_path, text):
-    path = tmp_path / "figure.svg"
-    path.write_text(f'<?xml version="1.0"?>\n<!-- made by -->\n{text}\n', encoding="utf-8")
-    kind, _, inside = data_uri(path).partition(",")
-    assert kind == "data:image/svg+xml"
-    assert not set(inside) & set('"#')  # what would end an attribute or an address
-    assert Tree.tostring(Tree.fromstring(unquote(inside))) == Tree.tostring(Tree.fromstring(text))
-
-
-def test_a_large_drawing_gives_way_to_its_smaller_picture(tmp_path):
-    drawing, picture = tmp_path / "figure.svg", tmp_path / "figure.png"
-    drawing.write_text("<svg>" + "<path/>" * 40_000 + "</svg>", encoding="utf-8")
-    picture.write_bytes(b"\x89PNG" + bytes(1000))
-    assert data_uri(drawing).startswith("data:image/svg+xml,")
-    assert data_uri(drawing, picture).startswith("data:image/png;base64,")
-
-
 def test_what_is_not_the_same_everywhere_stands_beside_the_pages(root):
     assert main([*PAPERS, "--root", str(root)]) == 0
     results = root / "results"
@@ -415,50 +370,3 @@ def test_digests_of_provenance_follow_the_tables(root):
     path = root / "papers" / "toy2001" / "not_checked.csv"
     path.write_text(path.read_text(encoding="utf-8") + "Figure 9,a sketch,no numbers\n", encoding="utf-8")
     assert tables() != before
-
-
-def test_conditions_read_as_words():
-    units = {"gravity": ("m^3/s^2", "assumed"), "observer_start": ("1", "assumed"), "level": ("1", "printed")}
-    parameters = {name: SimpleNamespace(unit=unit, status=status) for name, (unit, status) in units.items()}
-    found = SimpleNamespace(case=SimpleNamespace(parameters=parameters))
-    said = bare(condition(found, "observer_start=exact; gravity=3.9e14; level=0.2"))
-    assert said == "observer start = exact, gravity = 3.9 × 1014 m3/s2, level = 0.2 as printed"
-
-
-def bare(shown):
-    """Text of a piece of a page."""
-    return unescape(re.sub("<[^>]*>", "", str(shown))).replace("\u00a0", " ")
-
-
-def hung(comparator, values, published, boundary=None, others=0):
-    """Return the sentence on a claim that hangs on what the paper leaves out, with `values` found."""
-    inputs = tuple(SimpleNamespace(name=name, unit="kg m^2") for name in ("inertia_x", "b", "c")[: 1 + others])
-    scan = SimpleNamespace(boundary=boundary, inputs=inputs, samples=9, holding=4, at_best=4 if boundary else 9,
-                           least=(min(values), {}), greatest=(max(values), {}), finite=False)  # fmt: skip
-    claim = SimpleNamespace(id="x", comparator=comparator, unit="deg", published=published)
-    row = {"verdict": "undetermined", "evidence": "sampled 9 (distinct 9)"}
-    return bare(reason(SimpleNamespace(scans={"x": scan}), claim, row))
-
-
-@pytest.mark.parametrize(("holds", "fails", "side", "other"), [(8.94, 8.95, "below", "above"),
-                                                               (8.95, 8.94, "above", "below")])  # fmt: skip
-def test_an_undetermined_verdict_is_one_sentence_with_the_turning_point(holds, fails, side, other):
-    boundary = SimpleNamespace(input="inertia_x", holds=holds, fails=fails)
-    assert hung("at_most", [1.0], "3", boundary) == (
-        f"Holds when inertia x is {side} {holds} kg m2, fails when it is {other}; "
-        "it holds at 4 of 9 plausible values of what the paper leaves out."
-    )
-    assert ", the other 2 inputs kept; it holds" in hung("at_most", [1.0], "3", boundary, others=2)
-
-
-def test_a_word_without_a_number_hangs_on_its_reading():
-    # 0.1 rad is 5.7295779 deg, 0.2 rad 11.459155 deg; ends are rounded away from each other.
-    where = "9 plausible values of what the paper leaves out"
-    assert hung("at_most", [0.1, 0.2], "1..9") == (
-        f"Holds at all {where} where the sentence allows 11.46 deg or more, "
-        "fails at all where it allows less than 5.729 deg; it prints no number."
-    )
-    assert hung("at_least", [0.1, 0.2], "1..9") == (
-        f"Holds at all {where} where the sentence asks for 5.729 deg or less, "
-        "fails at all where it asks for more than 11.46 deg; it prints no number."
-    )
