@@ -71,6 +71,10 @@ LIBRARY = {
                                         "bounded_real_certificate_matrix")),
     "Synthesis": ("gainsay.systems.synthesis", ("StandardPlant", "hinf_state_feedback", "h2_state_feedback",
                                                 "hinf_output_feedback", "h2_output_feedback")),
+    "Systems with delays": ("gainsay.systems.delay", ("DelaySystem",)),
+    "Roots and norms under delays": ("gainsay.systems.delay_spectrum", (
+        "rightmost_roots", "spectral_abscissa", "unstable_root_count", "hinf_norm", "gain_stays_below")),
+    "Matrix inequalities for delays": ("gainsay.systems.delay_bounds", ("bessel_legendre", "proved_delay")),
     "Margins": ("gainsay.systems.margins", ("disk_margin", "structured_bounds")),
     "Real and repeated uncertainty": ("gainsay.systems.mixed_mu", ("Block", "mixed_bounds")),
     "Simulation of linear systems": ("gainsay.simulation.linear", ("Response", "with_harmonics")),

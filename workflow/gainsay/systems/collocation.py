@@ -1,4 +1,4 @@
-"""The past of a delayed signal carried by Chebyshev collocation: a finite-dimensional stand-in for a delay line.
+"""The past of delayed signals carried by Chebyshev collocation: a finite-dimensional stand-in for delay lines.
 
 References
 ----------
@@ -33,38 +33,35 @@ def chebyshev(nodes: int) -> tuple[np.ndarray, np.ndarray]:
     return x, D - np.diag(D.sum(axis=1))
 
 
-def discretised(system: DelaySystem, delay: float, nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Finite-dimensional (A, B, C) that replaces the delay line by collocation at Chebyshev points.
+def finite_system(system: DelaySystem, delay: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Finite-dimensional (A, B, C) that replaces each delay line by collocation at Chebyshev points of its own.
+
+    A signal whose delay is far below every time constant of the loop is taken undelayed.
 
     Parameters
     ----------
     system : DelaySystem
-    delay : float
-        s, positive.
+    delay : ndarray, shape (r,)
+        Of each delayed signal, s.
     nodes : int
-        Collocation degree.
+        Collocation degree N.
 
     Returns
     -------
     A, B, C : ndarray
-        Shapes (n + r N, n + r N), (n + r N, m), (p, n + r N).
+        Shapes (n + q N, n + q N), (n + q N, m), (p, n + q N) for q signals that are delayed.
     """
-    n, r = system.order, system.Bd.shape[1]
+    n = system.order
+    fastest = np.linalg.norm(system.A, 2) + np.linalg.norm(system.Bd, 2) * np.linalg.norm(system.Cd, 2)
+    late = delay * fastest >= 1e-12
+    q, rates = int(late.sum()), 2 / delay[late]
     _, D = chebyshev(nodes)
-    D = D * (2 / delay)
-    size = n + r * nodes
+    size = n + q * nodes
     A = np.zeros((size, size))
-    A[:n, :n] = system.A
-    A[:n, size - r :] = system.Bd
-    A[n:, :n] = np.kron(D[1:, :1], system.Cd)
-    A[n:, n:] = np.kron(D[1:, 1:], np.eye(r))
-    B = np.vstack([system.B, np.zeros((r * nodes, system.B.shape[1]))])
-    C = np.hstack([system.C, np.zeros((system.C.shape[0], r * nodes))])
+    A[:n, :n] = system.A + system.delayed(~late).astype(float)
+    A[:n, size - q :] = system.Bd[:, late]
+    A[n:, :n] = np.kron(D[1:, :1], rates[:, None] * system.Cd[late])
+    A[n:, n:] = np.kron(D[1:, 1:], np.diag(rates))
+    B = np.vstack([system.B, np.zeros((q * nodes, system.B.shape[1]))])
+    C = np.hstack([system.C, np.zeros((system.C.shape[0], q * nodes))])
     return A, B, C
-
-
-def finite_system(system: DelaySystem, delay: float, nodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Collocated (A, B, C); the undelayed ones where the delay is far below every time constant of the loop."""
-    if delay * (np.linalg.norm(system.A, 2) + np.linalg.norm(system.A1, 2)) < 1e-12:
-        return system.A + system.A1, system.B, system.C
-    return discretised(system, delay, nodes)

@@ -1,4 +1,7 @@
-"""Linear systems with one constant delay: characteristic quasi-polynomial and exact delay margins.
+"""Linear systems with constant delays: characteristic quasi-polynomial and exact delay margins.
+
+Every delayed signal may have a delay of its own in what is computed of roots and norms; the quasi-polynomial and the
+margin are those of one delay common to all. Retarded equations alone: nothing that is delayed is a derivative.
 
 The coefficients of the quasi-polynomial are formed in rational arithmetic, its imaginary-axis crossings are isolated as
 roots of an integer polynomial, and the delays at which they happen are enclosed in balls. So a margin comes with bounds
@@ -12,8 +15,10 @@ from functools import cached_property
 
 import numpy as np
 from flint import acb, arb, ctx, fmpq, fmpq_mat, fmpq_poly
+from numpy.typing import ArrayLike
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.exact.floats import real_array
 from gainsay.systems.spectrum import isolated_roots
 
 _PRECISION = 160  # bits: the roots of light modes lie close together relative to their size
@@ -33,6 +38,14 @@ def _entries(matrix: object, name: str) -> np.ndarray:
     return exact
 
 
+def _doubles(exact: np.ndarray, name: str) -> np.ndarray:
+    """Exact numbers rounded."""
+    try:
+        return exact.astype(float)
+    except OverflowError:
+        raise InputError("", field=name, value="an entry", expected="within the range of doubles") from None
+
+
 def _flint(matrix: np.ndarray) -> fmpq_mat:
     if not matrix.size:
         return fmpq_mat(*matrix.shape)
@@ -40,18 +53,20 @@ def _flint(matrix: np.ndarray) -> fmpq_mat:
 
 
 class DelaySystem:
-    """x'(t) = A x(t) + Bd Cd x(t - d) + B w(t), y(t) = C x(t) + D w(t).
+    """x'(t) = A x(t) + sum_i Bd[:, i] v_i(t - d_i) + B w(t), v = Cd x, y(t) = C x(t) + D w(t).
 
-    The delayed term is kept in factors: its rank is what the quasi-polynomial grows with.
+    The delayed term is kept in factors: its rank is what the quasi-polynomial grows with. The delays are no part of the
+    system: wherever one is asked for, it is one number for all the signals v_i, or one a signal. So the equation
+    x' = A x + A1 x(t - d1) + A2 x(t - d2) has Bd = [A1 A2], Cd = [I; I] and the delays d1, ..., d1, d2, ..., d2.
 
     Parameters
     ----------
     A : array_like, shape (n, n)
         Undelayed dynamics; entries may be fractions.
     Bd : array_like, shape (n, r)
-        Where the delayed signal enters.
+        Where the delayed signals enter.
     Cd : array_like, shape (r, n)
-        The signal that is delayed.
+        The signals that are delayed.
     B, C, D : array_like, optional
         Input (n, m), output (p, n) and feedthrough (p, m); needed for the norm alone.
 
@@ -77,27 +92,56 @@ class DelaySystem:
         for name, shape in wanted.items():
             if self.exact[name].shape != shape:
                 raise InputError("shape", field=name, value=self.exact[name].shape, expected=str(shape))
-        floats = {name: value.astype(float) for name, value in self.exact.items()}
+        floats = {name: _doubles(value, name) for name, value in self.exact.items()}
         self.A, self.Bd, self.Cd = floats["A"], floats["Bd"], floats["Cd"]
         self.B, self.C, self.D = floats["B"], floats["C"], floats["D"]
-        self.A1 = self.Bd @ self.Cd
+        self.A1 = _doubles(self.delayed(np.ones(rank, dtype=bool)), "Bd Cd")
 
     @property
     def order(self) -> int:
         """Number of states n."""
         return self.A.shape[0]
 
-    def characteristic_matrix(self, s: complex, delay: float) -> np.ndarray:
-        """Return s I - A - Bd Cd exp(-s d), shape (n, n)."""
-        return s * np.eye(self.order) - self.A - self.A1 * np.exp(-s * delay)
+    def delays(self, delay: ArrayLike) -> np.ndarray:
+        """Delay of each delayed signal, s, shape (r,), from one for all or one a signal.
 
-    def response(self, frequency: float, delay: float) -> np.ndarray:
+        Raises
+        ------
+        InputError
+            If a delay is negative or not finite, or their number is neither one nor r.
+        """
+        values, rank = real_array(delay, "delay"), self.Bd.shape[1]
+        if values.ndim > 1 or (values.ndim == 1 and len(values) != rank):
+            raise InputError("", field="delay", value=values.shape, expected=f"one time, s, or {rank}: one a signal")
+        if not (values >= 0).all():
+            raise InputError("", field="delay", value=values.tolist(), expected="a finite time >= 0 s")
+        return np.broadcast_to(values, (rank,))
+
+    def terms(self, delay: ArrayLike) -> tuple[tuple[np.ndarray, float], ...]:
+        """The (H_k, d_k) of x' = sum_k H_k x(t - d_k), d_0 = 0: the products of factors exact and rounded once.
+
+        Signals of equal delays stand together, and what is not delayed stands in H_0.
+        """
+        delays = self.delays(delay)
+        late = [(_doubles(self.delayed(delays == d), "Bd Cd"), float(d)) for d in np.unique(delays[delays > 0])]
+        return ((_doubles(self.exact["A"] + self.delayed(delays == 0), "A + Bd Cd"), 0.0), *late)
+
+    def delayed(self, chosen: np.ndarray) -> np.ndarray:
+        """Sum of Bd[:, i] Cd[i] over chosen signals, shape (n, n), exact."""
+        none = np.full(self.A.shape, Fraction(0), dtype=object)
+        return self.exact["Bd"][:, chosen] @ self.exact["Cd"][chosen] if np.any(chosen) else none
+
+    def characteristic_matrix(self, s: complex, delay: ArrayLike) -> np.ndarray:
+        """Return s I - A - Bd diag(exp(-s d_i)) Cd, shape (n, n)."""
+        return s * np.eye(self.order) - self.A - (self.Bd * np.exp(-s * np.asarray(delay))) @ self.Cd
+
+    def response(self, frequency: float, delay: ArrayLike) -> np.ndarray:
         """Return the transfer matrix from w to y at s = j frequency (rad/s), shape (p, m)."""
         return self.C @ np.linalg.solve(self.characteristic_matrix(1j * frequency, delay), self.B) + self.D
 
     @cached_property
     def quasi_polynomial(self) -> "QuasiPolynomial":
-        """det(s I - A - z Bd Cd) with z = exp(-s d), coefficients exact."""
+        """det(s I - A - z Bd Cd) with z = exp(-s d) of one delay common to all, coefficients exact."""
         A, Bd, Cd = (_flint(self.exact[name]) for name in ("A", "Bd", "Cd"))
         if not Bd.ncols():  # nothing is delayed
             return QuasiPolynomial((A.charpoly(),))

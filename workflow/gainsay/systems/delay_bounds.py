@@ -1,4 +1,4 @@
-"""LMI bounds on a constant delay: the Bessel-Legendre hierarchy.
+"""LMI bounds on constant delays: the Bessel-Legendre hierarchy.
 
 References
 ----------
@@ -10,13 +10,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.exact.floats import real_array
 from gainsay.lmi import (
     Affine,
     Definite,
     Infimum,
     Program,
+    affine,
     block_diagonal,
     equal,
     find_point,
@@ -30,16 +33,17 @@ from gainsay.lmi import (
 
 @dataclass(frozen=True)
 class DelayCondition:
-    """Matrix inequalities that prove x' = A x + Ad x(t - h) stable; unknowns P, S, R.
+    """Matrix inequalities that prove x' = A x + Bd v(t - h), v = Cd x, stable; unknowns P, and S, R of every delay.
 
     Attributes
     ----------
-    derivative : Affine, shape ((2 + N) n, (2 + N) n)
-        Negative definite: the functional decreases, in (x, x(t - h), 1/h int L_0 x, ..., 1/h int L_{N-1} x).
-    functional : Affine, shape ((1 + N) n, (1 + N) n)
+    derivative : Affine, shape (n + (1 + N) r, n + (1 + N) r)
+        Negative definite: the functional decreases, in (x, v(t - h), 1/h int L_0 v, ..., 1/h int L_{N-1} v), the last
+        ones once a delay.
+    functional : Affine, shape (n + N r, n + N r)
         Positive definite: the functional is positive.
     weights : tuple of Affine
-        S and R, positive definite.
+        S and R of every delay, positive definite.
     """
 
     derivative: Affine
@@ -64,40 +68,74 @@ def legendre_slopes(degree: int, k: int) -> np.ndarray:
     return np.where(i < k, -(2 * i + 1) * (1 - (-1.0) ** (k + i)), 0.0)
 
 
-def bessel_legendre(A: np.ndarray, Bd: np.ndarray, Cd: np.ndarray, delay: float, degree: int) -> DelayCondition:
-    """Condition for x' = A x + Bd v(t - h), v = Cd x, with Legendre polynomials up to a degree under v'.
+def bessel_legendre(A: np.ndarray, Bd: np.ndarray, Cd: np.ndarray, delay: ArrayLike, degree: int) -> DelayCondition:
+    """Condition for x' = A x + sum_i Bd[:, i] v_i(t - h_i), v = Cd x, with Legendre polynomials under v'.
 
-    With Bd = Ad and Cd = I this is the theorem as published. With fewer channels the integrals, S and R are of v alone:
-    a smaller condition, of which every solution is one of the published condition in the limit of small extra terms.
+    With one delay, Bd = Ad and Cd = I this is the theorem as published. With fewer channels the integrals, S and R are
+    of v alone: a smaller condition, of which every solution is one of the published condition in the limit of small
+    extra terms. Signals of another delay bring integrals, S and R of their own, and P is of them all.
 
     Parameters
     ----------
     A, Bd, Cd : ndarray
         Shapes (n, n), (n, r), (r, n).
-    delay : float
-        h, s, positive.
+    delay : float or array_like, shape (r,)
+        h, s, positive: one for all delayed signals, or one a signal.
     degree : int
         N >= 0.
     """
-    (n, r), h, N = Bd.shape, delay, degree
-    if not delay > 0 or degree < 0:
-        raise InputError("", field="delay, degree", value=(delay, degree), expected="delay > 0 s, degree >= 0")
-    P, S, R = symmetric("P", n + N * r), symmetric("S", r), symmetric("R", r)
-    eye = np.eye(r)
-    slope = np.hstack([A, Bd, np.zeros((n, N * r))])
-    channel = Cd @ slope  # v'
-    moments = [np.hstack([Cd, -((-1.0) ** k) * eye, *(g * eye for g in legendre_slopes(N, k))]) for k in range(N + 1)]
-    state = np.zeros((n + N * r, n + r + N * r))
-    state[:n, :n] = np.eye(n)
-    state[n:, n + r :] = h * np.eye(N * r)
-    rate = np.vstack([slope, *moments[:N]])
-    tail = [np.zeros((N * r, N * r))] if N else []
-    derivative = sym(state.T @ P @ rate) + h**2 * (channel.T @ R @ channel)
-    derivative = derivative + block_diagonal(Cd.T @ S @ Cd, -S, *tail)
-    for k, moment in enumerate(moments):
-        derivative = derivative - (2 * k + 1) * (moment.T @ R @ moment)
-    functional = P + (1 / h) * block_diagonal(np.zeros((n, n)), *((2 * k + 1) * S for k in range(N)))
-    return DelayCondition(derivative, functional, (S, R))
+    if degree < 0:
+        raise InputError("", field="degree", value=degree, expected="at least 0")
+    x, lines = _delay_lines(Bd, Cd, delay, degree)
+    slope = A @ x + sum(line.Bd @ line.late for line in lines)
+    moments = [line.moments(x, degree) for line in lines]
+    state = np.vstack([x, *(line.delay * line.integrals for line in lines)])
+    rate = np.vstack([slope, *(moment for found in moments for moment in found[:degree])])
+    P = symmetric("P", len(state))
+    derivative, masses, weights = sym(state.T @ P @ rate), [affine(np.zeros(A.shape))], []
+    for k, (line, found) in enumerate(zip(lines, moments, strict=True), 1):
+        h, v, size = line.delay, line.Cd @ x, len(line.Cd)
+        S, R = (symmetric(f"{name}{k if len(lines) > 1 else ''}", size) for name in "SR")
+        channel = line.Cd @ slope  # v'
+        derivative = derivative + h**2 * (channel.T @ R @ channel) + v.T @ S @ v - line.late.T @ S @ line.late
+        for j, moment in enumerate(found):
+            derivative = derivative - (2 * j + 1) * (moment.T @ R @ moment)
+        masses += [((2 * j + 1) / h) * S for j in range(degree)]
+        weights += [S, R]
+    return DelayCondition(derivative, P + block_diagonal(*masses), tuple(weights))
+
+
+@dataclass(frozen=True, eq=False)
+class _Line:
+    """The signals v = Cd x of one delay h, and where v(t - h) and their integrals stand in the condition's vector."""
+
+    Bd: np.ndarray
+    Cd: np.ndarray
+    delay: float
+    late: np.ndarray
+    integrals: np.ndarray
+
+    def moments(self, x: np.ndarray, degree: int) -> list[np.ndarray]:
+        """Integrals of L_0 v', ..., L_N v' over the past."""
+        parts = np.split(self.integrals, degree) if degree else []
+        return [
+            self.Cd @ x - (-1.0) ** k * self.late + sum(map(np.multiply, legendre_slopes(degree, k), parts))
+            for k in range(degree + 1)
+        ]
+
+
+def _delay_lines(Bd: np.ndarray, Cd: np.ndarray, delay: ArrayLike, degree: int) -> tuple[np.ndarray, list[_Line]]:
+    """Rows of the identity that pick x from (x, v(t - h), integrals of it, those of the next delay, ...), and these."""
+    n, r = Bd.shape
+    given = real_array(delay, "delay")
+    if given.shape not in ((), (r,)) or not (given > 0).all():
+        raise InputError("", field="delay", value=given.tolist(), expected=f"a time above 0 s, or {r}: one a signal")
+    delays = np.broadcast_to(given, (r,))
+    groups = [(h, delays == h) for h in np.unique(delays)]
+    sizes = [size for _, chosen in groups for size in (chosen.sum(), degree * chosen.sum())]
+    x, *rest = np.split(np.eye(n + sum(sizes)), np.cumsum([n, *sizes[:-1]]))
+    places = zip(groups, rest[::2], rest[1::2], strict=True)
+    return x, [_Line(Bd[:, chosen], Cd[chosen], float(h), late, past) for (h, chosen), late, past in places]
 
 
 def level(condition: DelayCondition) -> Infimum:

@@ -1,18 +1,20 @@
-"""Rightmost roots and H-infinity norm of a linear system with one constant delay, each with a proof of completeness.
+"""Rightmost roots and H-infinity norm of a linear system with constant delays, each with a proof of completeness.
 
-The delayed signal is carried by a Chebyshev collocation of its past, which gives candidates; every root is then
-polished by Newton on the exact characteristic matrix, every peak on the exact frequency response (W. Michiels, S.
-Gumussoy, SIAM J. Matrix Anal. Appl. 31, 2010). That no root is missing is proved by counting the roots right of a line
-with the argument principle; that no frequency has a larger gain, by the absence of singular points of a pencil on the
-imaginary axis.
+One delay for all delayed signals, or one a signal; whether they are commensurate makes no difference here. The delayed
+signals are carried by Chebyshev collocations of their past, which gives candidates; every root is then polished by
+Newton on the exact characteristic matrix, every peak on the exact frequency response (W. Michiels, S. Gumussoy, SIAM J.
+Matrix Anal. Appl. 31, 2010). That no root is missing is proved by counting the roots right of a line with the argument
+principle; that no frequency has a larger gain, by the absence of singular points of a pencil on the imaginary axis.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
 from flint import ctx, fmpq
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from gainsay.errors import ComputationError, InputError
@@ -56,20 +58,16 @@ class Peak:
     upper: float = float("inf")
 
 
-def _check_delay(delay: float) -> None:
-    if not (np.isfinite(delay) and delay >= 0):
-        raise InputError("", field="delay", value=delay, expected="a finite time >= 0 s")
-
-
-def _in_own_time(system: DelaySystem, delay: float) -> tuple[DelaySystem, float, float]:
-    """The same system in another unit of time where all its rates are far from one; its delay, and that unit (1/s).
+def _in_own_time(system: DelaySystem, delay: ArrayLike) -> tuple[DelaySystem, np.ndarray, float]:
+    """The same system in another unit of time where all its rates are far from one; its delays, and that unit (1/s).
 
     A power of two, so that nothing is rounded: tolerances below are meant for rates of about one.
     """
-    size = float(np.linalg.norm(system.A) + np.linalg.norm(system.A1))
-    if size == 0 or delay == 0:
+    delay = system.delays(delay)
+    size = sum(float(np.linalg.norm(H)) for H, _ in system.terms(delay))
+    if size == 0 or not delay.any():
         return system, delay, 1.0
-    powers = [round(float(np.log2(size))), round(float(-np.log2(delay)))]
+    powers = [round(float(np.log2(size))), round(float(-np.log2(delay.max())))]
     exponent = min(powers) if min(powers) > 0 else min(max(powers), 0)
     if abs(exponent) <= _NEAR_ONE:
         return system, delay, 1.0
@@ -78,14 +76,14 @@ def _in_own_time(system: DelaySystem, delay: float) -> tuple[DelaySystem, float,
     return DelaySystem(*faster), delay * 2.0**exponent, 2.0**exponent
 
 
-def rightmost_roots(system: DelaySystem, delay: float, count: int = 6) -> np.ndarray:
-    """Characteristic roots with the largest real parts under a constant delay.
+def rightmost_roots(system: DelaySystem, delay: ArrayLike, count: int = 6) -> np.ndarray:
+    """Characteristic roots with the largest real parts under constant delays.
 
     Parameters
     ----------
     system : DelaySystem
-    delay : float
-        s.
+    delay : float or array_like, shape (r,)
+        s: one for all delayed signals, or one a signal.
     count : int
         How many, conjugates counted apart.
 
@@ -98,11 +96,18 @@ def rightmost_roots(system: DelaySystem, delay: float, count: int = 6) -> np.nda
     Raises
     ------
     InputError
-        If the delay is negative or not finite, or the count below one.
+        If a delay is negative or not finite, or the count below one.
     ComputationError
         If the roots found are not provably all that lie right of a line just left of them.
+
+    Examples
+    --------
+    x' = -0.5 x(t - 1) - 0.5 x(t - 2):
+
+    >>> two = DelaySystem([[0]], [[-0.5, -0.5]], [[1], [1]])
+    >>> rightmost_roots(two, [1, 2], 2).round(6)
+    array([-0.074384+0.983602j, -0.074384-0.983602j])
     """
-    _check_delay(delay)
     if count < 1:
         raise InputError("", field="count", value=count, expected="at least 1")
     system, delay, unit = _in_own_time(system, delay)
@@ -110,12 +115,12 @@ def rightmost_roots(system: DelaySystem, delay: float, count: int = 6) -> np.nda
     if exact is not None:
         values = [complex(float(b.real.mid()), float(b.imag.mid())) for b, times in exact for _ in range(times)]
         return unit * mirrored(upper_half(np.array(values)), count)
-    pencil, attempts, best = characteristic(system, delay), [], np.array([])
+    pencil, longest, attempts, best = characteristic(system, delay), float(delay.max()), [], np.array([])
     for nodes in _NODES:
         found, doubtful = candidate_roots(system, delay, nodes, count)
         for wanted in dict.fromkeys((count, 1)):
             try:
-                proved = complete_roots(pencil, delay, found, doubtful, wanted)
+                proved = complete_roots(pencil, longest, found, doubtful, wanted)
                 error = "roots missing"
             except ComputationError as broken:
                 proved, error = None, str(broken)
@@ -125,17 +130,22 @@ def rightmost_roots(system: DelaySystem, delay: float, count: int = 6) -> np.nda
             attempts.append({"nodes": nodes, "wanted": wanted, "error": error})
         if pairs_counted(best) >= count or (len(best) and nodes >= _ENOUGH):
             return unit * mirrored(best, count)
-    message = f"not provably complete at delay {delay / unit:.6g} s: {attempts[-1]['error']}"
+    message = f"not provably complete at {_told(delay / unit)}: {attempts[-1]['error']}"
     raise ComputationError("rightmost roots", message, attempts)
 
 
-def spectral_abscissa(system: DelaySystem, delay: float) -> float:
-    """Largest real part of a characteristic root under a constant delay (s), 1/s."""
+def _told(delay: np.ndarray) -> str:
+    """Delays as a message has them."""
+    return f"delay {', '.join(f'{d:.6g}' for d in np.unique(delay))} s"
+
+
+def spectral_abscissa(system: DelaySystem, delay: ArrayLike) -> float:
+    """Largest real part of a characteristic root under constant delays (s, one for all or one a signal), 1/s."""
     return float(rightmost_roots(system, delay, count=1)[0].real)
 
 
-def unstable_root_count(system: DelaySystem, delay: float) -> int:
-    """Count the roots in the right half plane, independently of any discretisation of the delay.
+def unstable_root_count(system: DelaySystem, delay: ArrayLike) -> int:
+    """Count the roots in the right half plane, independently of any discretisation of the delays.
 
     Without delay the roots of the exact characteristic polynomial are isolated; else the argument principle is applied
     to a box that holds every root with Re s >= 0.
@@ -143,33 +153,32 @@ def unstable_root_count(system: DelaySystem, delay: float) -> int:
     Raises
     ------
     InputError
-        If the delay is negative or not finite.
+        If a delay is negative or not finite.
     ComputationError
         If a root cannot be told from the imaginary axis.
     """
-    _check_delay(delay)
     system, delay, _ = _in_own_time(system, delay)
     exact = exact_roots(system, delay)
     if exact is None:
         return roots_right_of(characteristic(system, delay), 0.0)
     if any(not ball.real > 0 and not ball.real < 0 for ball, _ in exact):
-        raise ComputationError("root count", f"a root on the imaginary axis at delay {delay:.6g} s")
+        raise ComputationError("root count", f"a root on the imaginary axis at {_told(delay)}")
     return sum(times for ball, times in exact if ball.real > 0)
 
 
-def _gain(system: DelaySystem, delay: float, frequency: float) -> float:
+def _gain(system: DelaySystem, delay: np.ndarray, frequency: float) -> float:
     return float(np.linalg.norm(system.response(frequency, delay), 2))
 
 
-def _local_peak(system: DelaySystem, delay: float, low: float, high: float) -> Peak:
+def _local_peak(system: DelaySystem, delay: np.ndarray, low: float, high: float) -> Peak:
     best = minimize_scalar(
         lambda w: -_gain(system, delay, w), bounds=(low, high), method="bounded", options={"xatol": 1e-10 * (1 + high)}
     )
     return max((Peak(_gain(system, delay, w), float(w)) for w in (low, best.x, high)), key=lambda p: p.value)
 
 
-def hinf_norm(system: DelaySystem, delay: float, nodes: int = 24) -> Peak:
-    """Least upper bound of the gain from w to y under a constant delay, the loop being stable there.
+def hinf_norm(system: DelaySystem, delay: ArrayLike, nodes: int = 24) -> Peak:
+    """Least upper bound of the gain from w to y under constant delays, the loop being stable there.
 
     Level sets of the collocated system (imaginary eigenvalues of its Hamiltonian matrix) say where the gain may be
     larger than the best found so far; the gain itself is always that of the exact response, and the upper end is proved
@@ -179,8 +188,8 @@ def hinf_norm(system: DelaySystem, delay: float, nodes: int = 24) -> Peak:
     ----------
     system : DelaySystem
         With B, C and D.
-    delay : float
-        s.
+    delay : float or array_like, shape (r,)
+        s: one for all delayed signals, or one a signal.
     nodes : int
         Collocation degree of the candidates.
 
@@ -191,23 +200,24 @@ def hinf_norm(system: DelaySystem, delay: float, nodes: int = 24) -> Peak:
     Raises
     ------
     InputError
-        If the loop is not stable at this delay (the norm would be infinite), or has no inputs or outputs.
+        If the loop is not stable at these delays (the norm would be infinite), or has no inputs or outputs.
     ComputationError
         If stability or the upper end cannot be proved.
     """
-    _check_delay(delay)
     if not system.B.shape[1] or not system.C.shape[0]:
         raise InputError("a norm needs inputs and outputs", field="B, C", value=(system.B.shape, system.C.shape))
     faster, own_delay, unit = _in_own_time(system, delay)
     if unit != 1:
         peak = hinf_norm(faster, own_delay, nodes)
         return Peak(peak.value, unit * peak.frequency, peak.upper)
+    delay = own_delay
     if unstable := unstable_root_count(system, delay):
         raise InputError("unstable loop", field="roots in the right half plane", value=unstable, expected="none")
-    if delay == 0 or not system.A1.any():
-        exact = {name: rational(system.exact[name]) for name in ("A", "Bd", "Cd", "B", "C", "D")}
-        closed = exact["A"] + (exact["Bd"] * exact["Cd"] if delay == 0 else exact["A"] * 0)
-        bounds = hinf_bounds(closed, exact["B"], exact["C"], exact["D"])
+    if not any(H.any() for H, _ in system.terms(delay)[1:]):
+        closed = rational(system.exact["A"] + system.delayed(delay == 0))
+        bounds = hinf_bounds(
+            closed, rational(system.exact["B"]), rational(system.exact["C"]), rational(system.exact["D"])
+        )
         return Peak(bounds.lower, bounds.frequency, bounds.upper)
     A, B, C = finite_system(system, delay, nodes)
     upper_roots = rightmost_roots(system, delay, count=system.order)
@@ -232,7 +242,7 @@ def hinf_norm(system: DelaySystem, delay: float, nodes: int = 24) -> Peak:
     raise ComputationError("H-infinity norm", f"level sets do not close at {best.value:.9g}")
 
 
-def _proved_or_better(system: DelaySystem, delay: float, best: Peak) -> Peak:
+def _proved_or_better(system: DelaySystem, delay: np.ndarray, best: Peak) -> Peak:
     """The peak with a proved upper end, or a higher peak at a frequency where the proof broke down."""
     place, error = None, None
     for width in (1e-6, 1e-5):
@@ -263,7 +273,7 @@ def _level_set(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, level
     return np.unique(np.append(0.0, np.abs(eigenvalues.imag[near]))) if near.any() else np.array([])
 
 
-def gain_stays_below(system: DelaySystem, delay: fmpq, level: fmpq, limit: int = 200_000) -> bool:
+def gain_stays_below(system: DelaySystem, delay: fmpq | Sequence[fmpq], level: fmpq, limit: int = 200_000) -> bool:
     """Prove that the gain from w to y is below a level at every frequency, by covering the axis with balls.
 
     Says nothing about stability; that is for the margin to prove.
@@ -272,8 +282,9 @@ def gain_stays_below(system: DelaySystem, delay: fmpq, level: fmpq, limit: int =
     ----------
     system : DelaySystem
         With one output; its matrices are taken exactly as given.
-    delay, level : fmpq
-        Constant delay in s; the level.
+    delay : fmpq or sequence of fmpq
+        Constant delay in s: one for all delayed signals, or one a signal.
+    level : fmpq
     limit : int
         Most intervals to try.
 
@@ -289,12 +300,16 @@ def gain_stays_below(system: DelaySystem, delay: fmpq, level: fmpq, limit: int =
     """
     if system.C.shape[0] != 1 or not system.B.shape[1]:
         raise InputError("", field="B, C", value=(system.B.shape, system.C.shape), expected="inputs, one output row")
-    if not delay >= 0:
-        raise InputError("", field="delay", value=str(delay), expected="a time >= 0 s")
+    count = system.Bd.shape[1]
+    delays = list(delay) if isinstance(delay, Sequence) else [delay] * count
+    if len(delays) != count or not all(isinstance(d, fmpq | int) and d >= 0 for d in delays):
+        raise InputError(
+            "", field="delay", value=str(delay), expected=f"a rational time >= 0 s, or {count}: one a signal"
+        )
     if not level > 0:
         raise InputError("", field="level", value=str(level), expected="above 0")
     kept, ctx.prec = ctx.prec, 128
     try:
-        return covered_below(system, delay, level, limit)
+        return covered_below(system, delays, level, limit)
     finally:
         ctx.prec = kept

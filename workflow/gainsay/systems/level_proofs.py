@@ -4,8 +4,11 @@ Either the level is nowhere a singular value of the response, which is a pencil 
 axis (in double precision, with every rounding bounded), or the axis is covered with balls.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from flint import acb, acb_mat, arb, fmpq
+from numpy.typing import ArrayLike
 
 from gainsay.errors import ComputationError
 from gainsay.systems.delay import DelaySystem
@@ -13,45 +16,52 @@ from gainsay.systems.norm_bounds import ball_matrix
 from gainsay.systems.pencils import DelayPencil, require_regular
 
 
-def level_not_reached(system: DelaySystem, delay: float, level: float) -> bool:
+def level_not_reached(system: DelaySystem, delay: ArrayLike, level: float) -> bool:
     """Prove that no frequency has `level` as a singular value of the response, which at infinity is below it."""
     n, (p, m) = system.order, system.D.shape
     direct = np.linalg.norm(system.D, 2) * (1 + 1e-14)
     if not level > direct:
         return False
-    size = np.linalg.norm(system.A, "fro") + np.linalg.norm(system.A1, "fro")
+    (undelayed, _), *late = system.terms(delay)
+    size = sum((np.linalg.norm(part, "fro") for part, _ in late), np.linalg.norm(undelayed, "fro"))
     through = np.linalg.norm(system.C, "fro") * np.linalg.norm(system.B, "fro")
-    top = 1.01 * (size + through / (level - direct))  # beyond: |G| <= |D| + |C| |B| / (w - |A| - |A1|) < level
+    top = 1.01 * (size + through / (level - direct))  # beyond: |G| <= |D| + |C| |B| / (w - size) < level
     # Singular pair (w, z) of the response: G w = level z and G* z = level w, with states of G and of its adjoint.
     H = np.zeros((2 * n + m + p, 2 * n + m + p))
     a, b, w, z = np.split(np.arange(2 * n + m + p), [n, 2 * n, 2 * n + m])
     scale = np.sqrt(level)
-    H[np.ix_(a, a)], H[np.ix_(a, w)] = system.A, system.B / scale
-    H[np.ix_(b, b)], H[np.ix_(b, z)] = -system.A.T, -system.C.T / scale
+    H[np.ix_(a, a)], H[np.ix_(a, w)] = undelayed, system.B / scale
+    H[np.ix_(b, b)], H[np.ix_(b, z)] = -undelayed.T, -system.C.T / scale
     H[np.ix_(z, a)], H[np.ix_(z, w)], H[np.ix_(z, z)] = system.C / scale, system.D / level, -np.eye(p)
     H[np.ix_(w, b)], H[np.ix_(w, z)], H[np.ix_(w, w)] = system.B.T / scale, system.D.T / level, -np.eye(m)
-    ahead, back = np.zeros_like(H), np.zeros_like(H)
-    ahead[np.ix_(a, a)], back[np.ix_(b, b)] = system.A1, -system.A1.T
+    terms = [(H, 0.0)]
+    for part, d in late:
+        ahead, back = np.zeros_like(H), np.zeros_like(H)
+        ahead[np.ix_(a, a)], back[np.ix_(b, b)] = part, -part.T
+        terms += [(ahead, d), (back, -d)]
     E = np.diag(np.concatenate([np.ones(2 * n), np.zeros(m + p)]))
-    require_regular(DelayPencil(E, ((H, 0.0), (ahead, delay), (back, -delay))), [0.0, complex(0.0, top)])
+    require_regular(DelayPencil(E, tuple(terms)), [0.0, complex(0.0, top)])
     return True
 
 
-def covered_below(system: DelaySystem, delay: fmpq, level: fmpq, limit: int) -> bool:
+def covered_below(system: DelaySystem, delays: Sequence[fmpq], level: fmpq, limit: int) -> bool:
     """Decide by balls whether the gain to one output is below a level; raises as `gain_stays_below` does."""
     A, B, C, D = (ball_matrix(system.exact[k]) for k in ("A", "B", "C", "D"))
-    A1 = ball_matrix(system.exact["Bd"]) * ball_matrix(system.exact["Cd"])
+    chosen = {delay: [d == delay for d in delays] for delay in delays}
+    late = [(ball_matrix(system.delayed(np.array(which))), arb(delay)) for delay, which in chosen.items()]
     n, m = system.B.shape
     unit = acb_mat([[int(i == j) for j in range(n)] for i in range(n)])
-    d, bound = arb(delay), arb(level) ** 2
+    bound = arb(level) ** 2
 
     def squared(w: arb) -> arb:
-        matrix = unit * acb(0, w) - A - A1 * acb(0, -w * d).exp()
+        matrix = unit * acb(0, w) - A
+        for part, d in late:
+            matrix = matrix - part * acb(0, -w * d).exp()
         gain = C * matrix.solve(B) + D
         return sum((gain[0, j].real ** 2 + gain[0, j].imag ** 2 for j in range(m)), arb(0))
 
-    size = _rows(A) + _rows(A1)
-    # Beyond w = 2^k: |G| <= |D| + |C| |B| / (w - |A| - |A1|) in the row-sum norm, the columns being summed in |B|.
+    size = sum((_rows(part) for part, _ in late), _rows(A))
+    # Beyond w = 2^k: |G| <= |D| + |C| |B| / (w - size) in the row-sum norm, the columns being summed in |B|.
     top = 1.0
     while not (_rows(D) + _rows(C) * _rows(B) / (arb(top) - size)) ** 2 < bound or not arb(top) > size:
         top *= 2

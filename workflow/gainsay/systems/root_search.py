@@ -4,6 +4,7 @@ The argument principle along a contour that loses no turn says how many roots li
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gainsay.errors import ComputationError
 from gainsay.systems.collocation import finite_system
@@ -14,45 +15,45 @@ from gainsay.systems.spectrum import roots
 _BOXES = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)  # half widths in which a multiple root is sought, relative to its size
 
 
-def characteristic(system: DelaySystem, delay: float) -> DelayPencil:
-    """The characteristic matrix s I - A - Bd Cd exp(-s d) as a pencil."""
-    return DelayPencil(np.eye(system.order), ((system.A, 0.0), (system.A1, float(delay))))
+def characteristic(system: DelaySystem, delay: ArrayLike) -> DelayPencil:
+    """The characteristic matrix s I - A - sum_k H_k exp(-s d_k) as a pencil."""
+    return DelayPencil(np.eye(system.order), system.terms(delay))
 
 
-def _polish(system: DelaySystem, delay: float, guess: complex) -> complex | None:
+def _polish(system: DelaySystem, delay: np.ndarray, guess: complex) -> complex | None:
     """Newton on [M(s) v; c v - 1] = 0; None where it does not settle."""
-    n = system.order
+    n, longest = system.order, delay.max()
     s = complex(guess)
+    if -s.real * longest > 600:  # exp(-s d) leaves double precision
+        return None
     _, _, right = np.linalg.svd(system.characteristic_matrix(s, delay))
     v = right[-1].conj()
     c = v.conj()
     for _ in range(30):
-        if -s.real * delay > 600:  # exp(-s d) leaves double precision
-            return None
         M = system.characteristic_matrix(s, delay)
-        dM = np.eye(n) + delay * system.A1 * np.exp(-s * delay)
+        dM = np.eye(n) + (system.Bd * (delay * np.exp(-s * delay))) @ system.Cd
         jacobian = np.block([[M, (dM @ v)[:, None]], [c[None, :], np.zeros((1, 1))]])
         try:
             step = np.linalg.solve(jacobian, -np.append(M @ v, c @ v - 1))
         except np.linalg.LinAlgError:
             return None
         v, s = v + step[:n], s + step[n]
-        if not np.isfinite(s):
+        if not (np.isfinite(s) and -s.real * longest <= 600):
             return None
         if abs(step[n]) <= 1e-14 * (1 + abs(s)):
             return complex(s)
     return None
 
 
-def exact_roots(system: DelaySystem, delay: float) -> list | None:
-    """Roots of a polynomial in disjoint balls where the delay does not matter or is zero, None elsewhere."""
+def exact_roots(system: DelaySystem, delay: np.ndarray) -> list | None:
+    """Roots of a polynomial in disjoint balls where nothing is delayed or a common delay does not matter, else None."""
     quasi = system.quasi_polynomial
-    if delay == 0:
+    if not delay.any():
         return roots(quasi.undelayed())
-    return roots(quasi.coefficients[0]) if not any(quasi.coefficients[1:]) else None
+    return roots(quasi.coefficients[0]) if np.ptp(delay) == 0 and not any(quasi.coefficients[1:]) else None
 
 
-def candidate_roots(system: DelaySystem, delay: float, nodes: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+def candidate_roots(system: DelaySystem, delay: np.ndarray, nodes: int, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Distinct polished roots of the upper half plane, and candidates on which Newton does not settle."""
     collocated = upper_half(np.linalg.eigvals(finite_system(system, delay, nodes)[0]))[: count + 4]
     others = [upper_half(np.linalg.eigvals(matrix)) for matrix in (system.A, system.A + system.A1)]
