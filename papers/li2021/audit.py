@@ -1,19 +1,17 @@
 """Audit of the printed controllers: poles, norms, vertices, random gains; and of what the model leaves out."""
 
 from fractions import Fraction
-from functools import partial
 from itertools import product
 
 import numpy as np
 from flint import arb
 from scipy.integrate import solve_ivp
-from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
 from gainsay.dynamics import attitude
 from gainsay.exact.ball import ball, hull, lower, precision, upper
-from gainsay.proof import build
 from gainsay.results import Results, task
-from gainsay.systems.norms import bounded_real_certificate_matrix, hinf_enclosure
+from gainsay.systems import loop_proofs
+from gainsay.systems.norms import hinf_enclosure
 from gainsay.systems.regions import Disk, HalfPlane
 from gainsay.tables import Case
 from gainsay.verdicts.scan import plausible, scan
@@ -129,16 +127,14 @@ def open_loop(case: Case, results: Results) -> None:
         method="eigenvalues of A0 with a real part above 1e-9 1/s",
         source="Figure 3",
     )
-    P, z = unstable_witness(A)
     results.certificate(
-        build.certificate(
-            "unstable",
-            id="open-loop-unstable",
-            tables=case,
-            statement="A0 has an eigenvalue in the open right half plane.",
+        loop_proofs.pole_right_of(
+            case,
+            "A0",
+            "1e-6",
             definitions=PLANT,
-            fields={"matrix": "A0", "alpha": "1e-6"},
-            witness={"P": P, "z": z},
+            id="open-loop-unstable",
+            statement="A0 has an eigenvalue in the open right half plane.",
             quantities={"abscissa": "audit.open_loop.abscissa", "stable": "audit.open_loop.stable"},
         )
     )
@@ -148,39 +144,30 @@ def open_loop(case: Case, results: Results) -> None:
     results.say("Figure 3, open loop", f"abscissa {values.real.max():.3g} 1/s, poles within {np.abs(values).max():.2g}")
 
 
-def unstable_witness(A: np.ndarray, alpha: float = 1e-6) -> tuple[np.ndarray, np.ndarray]:
-    """P of Lyapunov's inequality for A - alpha I and a z with z'Pz < 0, for eigenvalues on both sides of alpha."""
-    P = solve_continuous_lyapunov((A - alpha * np.eye(len(A))).T, -np.eye(len(A)))
-    P = (P + P.T) / 2
-    return P, np.linalg.eigh(P)[1][:, 0]
-
-
 def certify_nominal(case: Case, results: Results, name: str, norm: float, reach: float) -> None:
     """Certificates of disk and norm for a printed controller."""
-    gains = plant.controller(case, name)
-    A, B, C = reduced_loop(case, gains)
-    disk = disk_of(case)
     definitions = (*PLANT, *FORMULAS[name], *LOOP)
-    tight = Disk(disk.centre, float(f"{reach + 2e-4:.4f}"))
-    certificate = partial(build.certificate, tables=case, definitions=definitions)
+    centre, radius, gamma = case.number("disk_centre"), f"{reach + 2e-4:.4f}", f"{norm * (1 + 2e-5):.6g}"
     results.certificate(
-        certificate(
-            "stein",
+        loop_proofs.poles_in_disk(
+            case,
+            "Acl",
+            "number('disk_centre')",
+            radius,
+            definitions=definitions,
             id=f"{name}-disk",
-            statement=f"The poles of (10) with the printed {name} gains lie in D({disk.centre}, {tight.radius}).",
-            fields={"matrix": "Acl", "shift": "number('disk_centre')", "radius": str(tight.radius)},
-            witness={"P": tight.lyapunov_matrix(A)},
+            statement=f"The poles of (10) with the printed {name} gains lie in D({centre}, {radius}).",
             quantities={"radius": f"audit.{name}.disk_radius"},
         )
     )
-    gamma = float(f"{norm * (1 + 2e-5):.6g}")
     results.certificate(
-        certificate(
-            "bounded_real",
+        loop_proofs.norm_below(
+            case,
+            {"A": "Acl", "B": "Bcl", "C": "Ccl"},
+            gamma,
+            definitions=definitions,
             id=f"{name}-norm",
             statement=f"The norm from d~ to y of (10) with the printed {name} gains is below {gamma}.",
-            fields={"A": "Acl", "B": "Bcl", "C": "Ccl", "gamma": f"{gamma}"},
-            witness={"P": bounded_real_certificate_matrix(A, B, C, None, gamma)},
             quantities={"norm": f"audit.{name}.hinf"},
         )
     )
@@ -189,31 +176,28 @@ def certify_nominal(case: Case, results: Results, name: str, norm: float, reach:
 @task("(6) with (8)")
 def flexible_loop(case: Case, results: Results) -> None:
     """The full model under the proposed gains: stable, but its modes lie outside the disk; both proved."""
-    loop = plant.closed_loop(plant.flexible(plant.constants(case)), plant.controller(case, "proposed"))
-    definitions = (*PLANT, *PRINTED, *FLEXIBLE)
-    certificate = partial(build.certificate, tables=case, definitions=definitions)
-    alpha, radius = -0.006, 1.2
+    definitions, alpha, radius = (*PLANT, *PRINTED, *FLEXIBLE), "-0.006", "1.2"
     results.certificate(
-        certificate(
-            "lyapunov",
+        loop_proofs.poles_left_of(
+            case,
+            "loop",
+            alpha,
+            definitions=definitions,
             id="flexible-stable",
             statement=f"Every pole of (6) with the printed proposed gains has a real part below {alpha}.",
-            fields={"matrix": "loop", "alpha": str(alpha)},
-            witness={"P": HalfPlane(alpha).lyapunov_matrix(loop)},
             quantities={"abscissa": "audit.proposed.flexible_abscissa"},
         )
     )
-    moved = (loop + case.number("disk_centre") * np.eye(20)) / radius
-    P = solve_discrete_lyapunov(moved.T, np.eye(20))
-    P = (P + P.T) / 2
     results.certificate(
-        certificate(
-            "unstable",
+        loop_proofs.pole_outside_disk(
+            case,
+            "loop",
+            "number('disk_centre')",
+            radius,
+            definitions=definitions,
             id="flexible-outside-disk",
             statement=f"(6) with the printed proposed gains has a pole outside "
             f"D({case.number('disk_centre')}, {radius}).",
-            fields={"matrix": "loop", "shift": "number('disk_centre')", "radius": str(radius)},
-            witness={"P": P, "z": np.linalg.eigh(P)[1][:, 0]},
             quantities={"radius": "audit.proposed.flexible_disk_radius"},
         )
     )
@@ -238,8 +222,9 @@ def flexible_loop(case: Case, results: Results) -> None:
     results.say("(6) with (8)", "stable, and outside the disk that the reduced loop keeps")
 
 
-def audit_controller(case: Case, results: Results, name: str, gains: Gains) -> None:
-    """Every quantity of one controller that needs no simulation."""
+def audit_controller(case: Case, results: Results, name: str) -> tuple[float, float]:
+    """Every quantity of one controller that needs no simulation; return its norm and how far poles lie from -1.01."""
+    gains = plant.controller(case, name)
     A, B, C = reduced_loop(case, gains)
     disk, k = disk_of(case), plant.constants(case)
     bounds = hinf_enclosure(A, B, C)
@@ -278,31 +263,26 @@ def audit_controller(case: Case, results: Results, name: str, gains: Gains) -> N
     reach = poles["disk_radius"]["value"]
     found = f"disk {reach:.4f}, norm {bounds.lower:.4f}, vertices {worst:.4f}, unstable {share:.4f}"
     results.say(f"Section IV, {name}", found)
+    return bounds.lower, reach
 
 
 @task("Section IV, proposed controller")
 def proposed(case: Case, results: Results) -> None:
     """Audit the printed proposed gains."""
-    gains = plant.controller(case, "proposed")
-    audit_controller(case, results, "proposed", gains)
-    A, B, C = reduced_loop(case, gains)
-    certify_nominal(case, results, "proposed", hinf_enclosure(A, B, C).lower, disk_of(case).reach(A))
+    certify_nominal(case, results, "proposed", *audit_controller(case, results, "proposed"))
 
 
 @task("Section IV, controller of [39]")
 def comparison(case: Case, results: Results) -> None:
     """Audit the printed gains of the comparison controller."""
-    gains = plant.controller(case, "comparison")
-    audit_controller(case, results, "comparison", gains)
-    A, B, C = reduced_loop(case, gains)
-    certify_nominal(case, results, "comparison", hinf_enclosure(A, B, C).lower, disk_of(case).reach(A))
+    certify_nominal(case, results, "comparison", *audit_controller(case, results, "comparison"))
 
 
 @task("our designs")
 def designs(case: Case, results: Results) -> None:
     """Audit our own designs the same way."""
     for name in ("repaired", "best"):
-        audit_controller(case, results, name, plant.gains_of(case.designs[name]))
+        audit_controller(case, results, name)
 
 
 @task("(6), small angles")

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from gainsay.figures import Draw, FigureSpec, bound, curve, curves, ended, finish, panels
-from gainsay.logs import Log
+from gainsay.figures import Draw, FigureSpec, bound, curve, curves, ended, figure_of_run, finish, panels
+from gainsay.logs import Log, Plot, lines
 from gainsay.logs.palette import role
 from gainsay.results.returned import read_part
 from gainsay.systems.norms import hinf_norm
@@ -41,20 +41,6 @@ def poles(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         panel.margins(0.1)
     left.set_aspect("equal")
     finish(figure, (left, right), x="real part")
-
-
-def angles(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw Figure 4: Euler angles."""
-    grid = panels(figure, ["Euler angles [deg]"])
-    curves(grid[0], logs["proposed"], "/attitude/angles_deg", ANGLES, until=100.0)
-    finish(figure, grid)
-
-
-def rates(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw Figure 5: Euler rates."""
-    grid = panels(figure, ["Euler rates [deg/s]"])
-    curves(grid[0], logs["proposed"], "/attitude/rates_deg_s", ANGLES, until=100.0)
-    finish(figure, grid)
 
 
 def torque(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
@@ -130,7 +116,7 @@ def tradeoff(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         ("repaired", "repaired", "axis_3", "s"),
         ("best", "largest", "perturbed", "D"),
     ):
-        gains = plant.controller(case, "proposed") if name == "printed" else plant.gains_of(case.designs[name])
+        gains = plant.controller(case, "proposed" if name == "printed" else name)
         loop = plant.closed_loop(nominal, gains)
         radius = np.abs(np.linalg.eigvals(loop) + case.number("disk_centre")).max()
         certified.append((hinf_norm(loop, B, C)[0], radius, values[f"certified.{name}.delta_m"], label, look, marker))
@@ -157,8 +143,12 @@ def _runs(name: str) -> tuple[str, ...]:
 
 FIGURES = (
     FigureSpec("figure_3", ("proposed",), poles),
-    FigureSpec("figure_4", ("proposed",), angles),
-    FigureSpec("figure_5", ("proposed",), rates),
+    figure_of_run(
+        "figure_4", "proposed", Plot("Euler angles [deg]", lines("/attitude/angles_deg", ANGLES), until=100.0)
+    ),
+    figure_of_run(
+        "figure_5", "proposed", Plot("Euler rates [deg/s]", lines("/attitude/rates_deg_s", ANGLES), until=100.0)
+    ),
     FigureSpec("figure_6", ("proposed",), torque),
     FigureSpec("figure_7", ("proposed",), modes, 4.6),
     FigureSpec("figure_8", _runs("proposed"), random_gains("proposed"), 7.0),

@@ -4,7 +4,7 @@ Every function works in the arithmetic of its input: floats for computing, ``Fra
 to hold exactly. Equation numbers are those of the paper.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Generic, TypeVar
@@ -18,7 +18,7 @@ from gainsay.exact.ball import lower, precision, upper
 from gainsay.exact.rational import to_fmpq
 from gainsay.systems.norm_bounds import above, below
 from gainsay.systems.spectrum import ROOT_BITS, rational, roots
-from gainsay.tables import Case, PrintedMatrix
+from gainsay.tables import Case
 
 #: a double, or a rational where an identity is to hold exactly; one such number for each axis
 Number = float | Fraction
@@ -210,17 +210,6 @@ def uncertainty_factors(k: AnyConstants) -> Factors:
     )
 
 
-def gains_of(matrices: Mapping[str, np.ndarray]) -> Gains:
-    """Gains A, B, C of a design, checked.
-
-    Raises
-    ------
-    InputError
-        If a matrix has another shape.
-    """
-    return Gains(matrices["A"], matrices["B"], matrices["C"])
-
-
 def rigid(k: AnyConstants, delta: Triple = (0, 0, 0)) -> RigidPlant:
     """Reduced plant (7): x' = A x + B (u + d~), y = C x, with inertias J_i0 + Delta J_i delta_i in J, D and G alike."""
     n, F, J = k.orbital_rate, k.coupling, k.inertia_with(delta)
@@ -269,7 +258,7 @@ def flexible(k: AnyConstants, delta: Triple = (0, 0, 0)) -> Plant:
 
 
 def controller(case: Case, name: str, exact: bool = False) -> Gains:
-    """Printed gains of (8): ``proposed``, or ``comparison`` (the paper's reference [39]), as floats or exactly.
+    """Gains of (8) as floats or exactly: ``proposed`` and ``comparison`` (the paper's [39]) as printed, or a design's.
 
     Raises
     ------
@@ -277,21 +266,10 @@ def controller(case: Case, name: str, exact: bool = False) -> Gains:
         On another name, or on a matrix of another shape than 6x6, 6x3, 3x6.
     """
     suffix = {"proposed": "", "comparison": "39"}.get(name)
-    if suffix is None:
-        raise InputError(field="controller", value=name, expected="proposed or comparison")
-    printed = {letter: case.printed(f"{letter}f{suffix}") for letter in "ABC"}
-    return gains_of(_entries(printed, exact))
-
-
-def exact_gains(case: Case, name: str) -> Gains:
-    """Gains as rationals of a printed controller or of one of our designs."""
-    if name in case.designs:
-        return gains_of(_entries(case.designs[name].matrices, exact=True))
-    return controller(case, name, exact=True)
-
-
-def _entries(printed: Mapping[str, PrintedMatrix], exact: bool) -> dict[str, np.ndarray]:
-    return {letter: np.array(printed[letter].exact if exact else printed[letter].floats) for letter in "ABC"}
+    if suffix is None and name not in case.designs:
+        raise InputError(field="controller", value=name, expected="proposed, comparison or a design")
+    own = case.designs[name].matrices if suffix is None else {s: case.printed(f"{s}f{suffix}") for s in "ABC"}
+    return Gains(*(np.array(own[s].exact if exact else own[s].floats) for s in "ABC"))
 
 
 def closed_loop(
@@ -336,7 +314,7 @@ def enclosed_poles(A: np.ndarray, of: Callable[[acb], arb]) -> dict[str, float]:
 
 def enclosed_loop(case: Case, name: str) -> dict[str, dict[str, float]]:
     """Disk reach and abscissa of (10) with the gains of a controller, over the tables' digits in balls."""
-    loop = closed_loop(rigid(exact_constants(case)), exact_gains(case, name))
+    loop = closed_loop(rigid(exact_constants(case)), controller(case, name, exact=True))
     centre = arb(to_fmpq(case.exact("disk_centre")))
     return {
         "disk_radius": enclosed_poles(loop, lambda s: abs(s + centre)),

@@ -7,11 +7,10 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import solve_discrete_lyapunov
 
-from gainsay.proof import build
 from gainsay.results import Results, task
 from gainsay.statements import Stated, prove
+from gainsay.systems import loop_proofs
 from gainsay.tables import Case
 from gainsay.verdicts.scan import plausible, scan
 from papers.li2021 import plant
@@ -85,19 +84,15 @@ def disk_of_lemma_3(case: Case, results: Results) -> None:
         source="Lemma 3",
         sentence=f"P > 0 that satisfies (12) with gains of ours at lambda = {LAMBDA}, gamma = 100",
     )
-    radius = float(REACH)
-    moved = (light_loop(case) + case.number("disk_centre") * np.eye(12)) / radius
-    P = solve_discrete_lyapunov(moved.T, np.eye(12))
-    P = (P + P.T) / 2
     results.certificate(
-        build.certificate(
-            "unstable",
-            id="lemma3-outside-disk",
-            tables=case,
-            statement=f"The loop of lemma3-eq12 has a pole outside D(1.01, {REACH}) where every inertia is 5 % low.",
+        loop_proofs.pole_outside_disk(
+            case,
+            LIGHT,
+            "a",
+            REACH,
             definitions=stated.parts()["definitions"],
-            fields={"matrix": LIGHT, "shift": "a", "radius": REACH},
-            witness={"P": P, "z": np.linalg.eigh(P)[1][:, 0]},
+            id="lemma3-outside-disk",
+            statement=f"The loop of lemma3-eq12 has a pole outside D(1.01, {REACH}) where every inertia is 5 % low.",
             quantities={"radius": "lemma3.disk_reach"},
         )
     )

@@ -1,6 +1,6 @@
 """The runs of Section IV: printed and own controllers on the full model, with periodic and with redrawn gains."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -10,7 +10,6 @@ from gainsay.logs import (
     Body,
     Bound,
     Columns,
-    EventLog,
     Layout,
     Line,
     Log,
@@ -23,7 +22,8 @@ from gainsay.logs import (
     Scene,
     Simulate,
     Tab,
-    Text,
+    about_tab,
+    lines,
     measuring,
 )
 from gainsay.simulation.periodic import PeriodicSolution
@@ -41,13 +41,6 @@ DENSE_END, DENSE, SPARSE = 60.0, 0.025, 0.25
 NODE = 0.1
 #: an angle has settled once it stays below this part of the largest one at the start
 SETTLED = 0.05
-
-
-def gains_of(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], name: str) -> plant.Gains:
-    """Gains of a controller by the name of its run."""
-    if name in ("proposed", "comparison"):
-        return plant.controller(case, name)
-    return plant.gains_of(designs[name])
 
 
 def angle_size(t: np.ndarray, state: np.ndarray) -> np.ndarray:
@@ -155,15 +148,12 @@ def periodic(name: str) -> Simulate:
     """Simulation of Table 1's case: one common sine in all twelve gain channels."""
 
     def simulate(case: Case, designs: Mapping, log: LogWriter) -> None:
-        loop = FlexibleLoop(case, gains_of(case, designs, name))
+        loop = FlexibleLoop(case, plant.controller(case, name))
         solution, second = loop.solve(STEPS), loop.solve(2 * STEPS)
         time, states = sample(solution)
         record(case, loop, time, states, loop.torque(time, states), log)
         log.signal("/controller/variation", {"delta": "1"}, time, loop.variation(time)[:, None])
-        again = extremes(loop, second)
-        limits = {"peak_torque": case.number("u_max")}
-        for key, (instant, value, unit) in extremes(loop, solution).items():
-            log.extreme(key, instant, value, unit, second=again[key][1], limit=limits.get(key))
+        log.extremes(extremes(loop, solution), extremes(loop, second), limits={"peak_torque": case.number("u_max")})
         log.event(0.0, "start", "angles and rates of Table 1; controller and appendages at rest")
 
     return simulate
@@ -173,7 +163,7 @@ def drawn(name: str, hold: str) -> Simulate:
     """Simulation with twelve factors 1 + U(0, 1), drawn once or redrawn and held; the first draw of the campaign."""
 
     def simulate(case: Case, designs: Mapping, log: LogWriter) -> None:
-        loop = FlexibleLoop(case, gains_of(case, designs, name), amplitude=0.0)
+        loop = FlexibleLoop(case, plant.controller(case, name), amplitude=0.0)
         time, states = response.redrawn(loop, hold, np.random.default_rng((int(case.number("seed")), 0)), node=NODE)
         stay = np.abs(states[:, ANGLES]).max(axis=1) < 10.0
         end = len(stay) if stay.all() else int(np.argmin(stay))
@@ -240,10 +230,9 @@ none), and the control torque as an arrow.
 """
 
 
-def _three(topic: str, fields: Iterable[str]) -> tuple[Line, ...]:
-    return tuple(Line(topic, field, field, f"axis_{i}") for i, field in enumerate(fields, start=1))
-
-
+ANGLES_SHOWN = lines("/attitude/angles_deg", tuple(ANGLE_FIELDS))
+TORQUE_SHOWN = lines("/wheels/torque", AXES)
+MODES_SHOWN = lines("/modes/coordinates", tuple(MODE_FIELDS))
 #: what is shown at first: the transient, s
 _SHOWN = 60.0
 _VARIED = 10.0  # periods of a second
@@ -269,9 +258,9 @@ LAYOUT = Layout(
                     direction=(4.0, 3.0, 2.0),
                 ),
                 Rows(
-                    Plot("Euler angles [deg]", _three("/attitude/angles_deg", ANGLE_FIELDS), until=_SHOWN),
-                    Plot("Euler rates [deg/s]", _three("/attitude/rates_deg_s", ANGLE_FIELDS), until=_SHOWN),
-                    Plot("Control torque [N m]", _three("/wheels/torque", AXES), until=_SHOWN),
+                    Plot("Euler angles [deg]", ANGLES_SHOWN, until=_SHOWN),
+                    Plot("Euler rates [deg/s]", lines("/attitude/rates_deg_s", tuple(ANGLE_FIELDS)), until=_SHOWN),
+                    Plot("Control torque [N m]", TORQUE_SHOWN, until=_SHOWN),
                     Plot(
                         "Norm of the torque [N m]",
                         (Line("/wheels/torque_size", "size", "norm", "magnitude"),),
@@ -285,19 +274,15 @@ LAYOUT = Layout(
         Tab(
             "Appendages",
             Rows(
-                Plot(
-                    "Modal coordinates, first minute [kg^0.5 m]",
-                    _three("/modes/coordinates", MODE_FIELDS),
-                    until=_SHOWN,
-                ),
-                Plot("Modal coordinates [kg^0.5 m]", _three("/modes/coordinates", MODE_FIELDS)),
+                Plot("Modal coordinates, first minute [kg^0.5 m]", MODES_SHOWN, until=_SHOWN),
+                Plot("Modal coordinates [kg^0.5 m]", MODES_SHOWN),
             ),
         ),
         Tab(
             "Whole run",
             Rows(
-                Plot("Euler angles, whole run [deg]", _three("/attitude/angles_deg", ANGLE_FIELDS)),
-                Plot("Control torque, whole run [N m]", _three("/wheels/torque", AXES)),
+                Plot("Euler angles, whole run [deg]", ANGLES_SHOWN),
+                Plot("Control torque, whole run [N m]", TORQUE_SHOWN),
             ),
         ),
         Tab(
@@ -311,7 +296,7 @@ LAYOUT = Layout(
             ),
             runs=PERIODIC,
         ),
-        Tab("About", Columns(Text("About", ABOUT), EventLog())),
+        about_tab(ABOUT),
     ),
     look=LOOK,
 )

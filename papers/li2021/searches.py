@@ -186,7 +186,7 @@ def tradeoff(case: Case, name: str) -> FoundDesign:
     starts = {"the printed gains": plant.controller(case, "proposed")}
     if narrower:
         widest = max(narrower, key=lambda other: case.designs[other]["level"][0, 0])
-        starts[widest] = plant.gains_of(case.designs[widest])
+        starts[widest] = plant.controller(case, widest)
     asked = {key: INSIDE * bound for key, bound in wish.items()}
     candidates: list[tuple[float, plant.Gains, Limits, bool]] = []
     iterations = evaluations = 0
@@ -229,7 +229,7 @@ def _narrower(wish: Mapping[str, float], other: Mapping[str, float]) -> bool:
 def best(case: Case) -> FoundDesign:
     """The point of the trade-off with the largest gain variation, again."""
     chosen = max(TRADE_OFF, key=lambda name: case.designs[name]["level"][0, 0])
-    gains = plant.gains_of(case.designs[chosen])
+    gains = plant.controller(case, chosen)
     found = limits(case, gains)
     return _found(
         case,

@@ -8,7 +8,7 @@ from gainsay.errors import ComputationError
 from gainsay.lmi import Solved
 from gainsay.proof import build
 from gainsay.results import Results, task
-from gainsay.statements import Stated, enclose, prove
+from gainsay.statements import Stated, enclose, optimum, prove
 from gainsay.systems.norms import hinf_enclosure
 from gainsay.tables import Case
 from gainsay.tables.designs import Design
@@ -27,8 +27,7 @@ ROUNDED = (9, 12, 15, 17)
 
 def decided(results: Results, quantity: str, stated: Stated, **parts: Any) -> None:
     """Decide by the largest common margin whether a program has a point, and prove it."""
-    found = stated.by_margin()
-    results.attempt(stated.label, list(found.attempts))
+    found = results.attempted(stated.label, stated.by_margin())
     prove(results, quantity, stated, found, digits=ROUNDED, **parts)
 
 
@@ -127,8 +126,7 @@ def lemma4(case: Case, results: Results) -> None:
 
 def rooted(results: Results, quantity: str, stated: Stated, *, sentence: str, id: str) -> float:
     """Enclose the least gamma^2 of (12), and with it gamma."""
-    found = stated.infimum(MARGINS).need("(12)")
-    results.attempt("(12)", list(found.attempts))
+    found = optimum(results, stated, margins=MARGINS)
     square = f"{quantity}_squared"
     lower, upper = enclose(results, square, stated, found, sentence=sentence, id=id, source="(12)", digits=LONG)
     gamma = float(np.sqrt(np.clip(found.value, lower, upper)))
@@ -250,7 +248,7 @@ def designs(case: Case, results: Results) -> None:
     """Our designs: better than the printed gains on the paper's own measures, and with the largest gain variation."""
     for name in ("repaired", "best"):
         found = case.designs[name]
-        certify_levels(case, results, name, plant.gains_of(found), certify.of_design(name), found)
+        certify_levels(case, results, name, plant.controller(case, name), certify.of_design(name), found)
 
 
 @task("trade-off")
@@ -262,7 +260,7 @@ def tradeoff(case: Case, results: Results) -> None:
     for number in range(1, 6):
         name, stem = f"tradeoff_{number}", f"tradeoff.{number}"
         found = case.designs[name]
-        gains, level = plant.gains_of(found), float(found["level"][0, 0])
+        gains, level = plant.controller(case, name), float(found["level"][0, 0])
         loop = plant.closed_loop(k, gains)
         results.prove(
             certify.certificate(

@@ -37,13 +37,13 @@ def _panels(figure: Figure, label: str) -> list:
     return panels(figure, [label] * 2, titles=[f"reconstruction {r}" for r in "AB"], columns=2)
 
 
-def uncertainty(name: str, designs: tuple[str, ...]) -> Draw:
+def uncertainty(name: str) -> Draw:
     """Return the drawing of an angle with and without uncertainty, one panel a reconstruction."""
 
     def draw(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         grid = _panels(figure, f"{name} angle [deg]")
         for panel, r in zip(grid, "ab", strict=True):
-            for design in designs:
+            for design in _EXTREMES:
                 log = logs[f"{r}_{design}_release"]
                 _curve(panel, log["/nominal/angles_deg"], name, design, label=LABELS[design])
                 for k in (1, 2):
@@ -90,32 +90,12 @@ def _runs(kind: str, designs: tuple[str, ...] = tuple(COLOURS)) -> tuple[str, ..
 
 
 _EXTREMES = ("hinf", "h2")
-FIGURES = (
-    *(
-        FigureSpec(
-            f"figure_{number}",
-            _runs("release", _EXTREMES),
-            uncertainty(name, _EXTREMES),
-            3.2,
-        )
-        for number, name in enumerate(NAMES, start=6)
-    ),
-    *(
-        FigureSpec(
-            f"figure_{number}",
-            _runs("release"),
-            control(name),
-            3.2,
-        )
-        for number, name in enumerate(NAMES, start=9)
-    ),
-    *(
-        FigureSpec(
-            f"figure_{number}",
-            _runs("disturbed"),
-            external(name),
-            3.2,
-        )
-        for number, name in enumerate(NAMES, start=12)
-    ),
+FIGURES = tuple(
+    FigureSpec(f"figure_{first + axis}", runs, draw(name), 3.2)
+    for first, runs, draw in (
+        (6, _runs("release", _EXTREMES), uncertainty),
+        (9, _runs("release"), control),
+        (12, _runs("disturbed"), external),
+    )
+    for axis, name in enumerate(NAMES)
 )

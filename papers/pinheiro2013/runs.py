@@ -1,6 +1,6 @@
 """Runs of pinheiro2013: release at 0.6 deg/s and the torques (25), three designs, two reconstructions, every plant."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -9,7 +9,6 @@ from gainsay.logs import (
     Body,
     Bound,
     Columns,
-    EventLog,
     Layout,
     Line,
     Log,
@@ -22,7 +21,8 @@ from gainsay.logs import (
     Scene,
     Simulate,
     Tab,
-    Text,
+    about_tab,
+    lines,
     located,
 )
 from gainsay.simulation.linear import Response
@@ -63,12 +63,6 @@ def _second(A: np.ndarray, start: np.ndarray, end: float, output: np.ndarray) ->
     return largest(trajectory, lambda t, x: np.abs(x @ output))[1]
 
 
-def _extreme(
-    log: LogWriter, name: str, time: float, value: float, second: float, unit: str, limit: float | None = None
-) -> None:
-    log.extreme(name, time, abs(value), unit, second=second, limit=limit)
-
-
 def release(reconstructed: str, design: str) -> Simulate:
     """Return the simulation of a release at the rates of (24)."""
 
@@ -85,21 +79,15 @@ def release(reconstructed: str, design: str) -> Simulate:
             for what, output, unit in (("angle", angle, "rad"), ("torque", torque, "N m")):
                 peak = nominal.peak(output)
                 second, wheel = _second(A, start, end, output), limit if what == "torque" else None
-                _extreme(log, f"peak_{what}_{name}", peak.time, peak.value, second, unit, wheel)
+                log.extreme(f"peak_{what}_{name}", peak.time, abs(peak.value), unit, second=second, limit=wheel)
             settled = nominal.last_above(angle, responses.SETTLED * abs(nominal.peak(angle).value))
             log.extreme(f"settling_{name}", settled, settled, "s")
             for k in (0, 1):
                 other = responses.loop_matrix(plants[i][k], "all", K)
                 both = responses.difference(A, other, start, end, round(end / STEP))
                 apart = both.peak(np.concatenate([angle, -angle]))
-                _extreme(
-                    log,
-                    f"difference_{name}_plant_{k + 1}",
-                    apart.time,
-                    apart.value,
-                    _second(both.A, both.states[0], end, np.concatenate([angle, -angle])),
-                    "rad",
-                )
+                second = _second(both.A, both.states[0], end, np.concatenate([angle, -angle]))
+                log.extreme(f"difference_{name}_plant_{k + 1}", apart.time, abs(apart.value), "rad", second=second)
         for k in (0, 1):
             states = np.empty_like(nominal.states)
             for i in range(3):
@@ -147,7 +135,8 @@ def disturbed(reconstructed: str, design: str) -> Simulate:
         for i, name in enumerate(NAMES):
             for what, output, unit in (("angle", np.eye(6)[i], "rad"), ("torque", -K[i], "N m")):
                 peak = linear.peak(output)
-                _extreme(log, f"peak_{what}_{name}", peak.time, peak.value, abs(coarse.peak(output).value), unit)
+                second = abs(coarse.peak(output).value)
+                log.extreme(f"peak_{what}_{name}", peak.time, abs(peak.value), unit, second=second)
         found = responses.nonlinear(satellite, K, np.zeros(6), end, torque=torque, rtol=1e-8, method="LSODA")
         whole = responses.angle_rates(found(time[shown]), satellite.n)
         _log(log, "nonlinear", time[shown], whole, K)
@@ -234,28 +223,13 @@ def measure_disturbed(reconstructed: str, design: str) -> Measure:
 def _specs() -> Iterator[RunSpec]:
     for name in RECONSTRUCTIONS:
         for design in DESIGNS:
-            yield RunSpec(
-                f"{name}_{design}_release",
-                release(name, design),
-                measure_release(name, design),
-            )
-            yield RunSpec(
-                f"{name}_{design}_disturbed",
-                disturbed(name, design),
-                measure_disturbed(name, design),
-            )
+            yield RunSpec(f"{name}_{design}_release", release(name, design), measure_release(name, design))
+            yield RunSpec(f"{name}_{design}_disturbed", disturbed(name, design), measure_disturbed(name, design))
 
 
 RUNS = tuple(_specs())
 RELEASES = tuple(run.name for run in RUNS if run.name.endswith("release"))
 DISTURBED = tuple(run.name for run in RUNS if run.name.endswith("disturbed"))
-
-
-def _lines(where: str, kind: str, fields: Iterable[str], suffix: str = "", label: str = "") -> tuple[Line, ...]:
-    return tuple(
-        Line(f"/{where}/{kind}", field, f"{field}{label}", f"axis_{i}{suffix}")
-        for i, field in enumerate(fields, start=1)
-    )
 
 
 def _compared(field: str) -> tuple[Line, ...]:
@@ -293,11 +267,11 @@ LOOK = {
 
 
 def _angles(title: str, where: str) -> Plot:
-    return Plot(title, _lines(where, "angles_deg", NAMES))
+    return Plot(title, lines(f"/{where}/angles_deg", NAMES))
 
 
 def _torques(title: str, where: str, bounds: tuple[Bound, ...] = ()) -> Plot:
-    return Plot(title, _lines(where, "torque_mN_m", "xyz"), bounds=bounds)
+    return Plot(title, lines(f"/{where}/torque_mN_m", "xyz"), bounds=bounds)
 
 
 LAYOUT = Layout(
@@ -351,7 +325,7 @@ LAYOUT = Layout(
             ),
             runs=DISTURBED,
         ),
-        Tab("About", Columns(Text("About", ABOUT), EventLog())),
+        about_tab(ABOUT),
     ),
     look=LOOK,
 )

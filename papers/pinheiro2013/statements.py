@@ -82,6 +82,10 @@ def closed(reconstruction: str, group: str, gain: str) -> dict[str, str]:
     }
 
 
+#: the closed loop from w to z_inf, over the definitions of `closed`
+TO_Z_INF = {"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11"}
+
+
 def vertices(group: str) -> list[str]:
     """Closed loop at the vertices of the inertia uncertainty, of which it is a convex combination everywhere.
 

@@ -3,17 +3,16 @@
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import product
-from typing import Any
 
 import numpy as np
 from flint import arb, arb_mat, fmpq, fmpq_mat
-from scipy.linalg import solve_continuous_lyapunov
 
 from gainsay.dynamics.relative_orbit import clohessy_wiltshire
 from gainsay.exact.ball import precision
 from gainsay.proof import Certificate, build
 from gainsay.results import Results, task
 from gainsay.statements import identical
+from gainsay.systems import loop_proofs
 from gainsay.systems.pole_sets import match_poles, pole_clusters
 from gainsay.tables import Case
 from papers.wan2014 import plant
@@ -45,10 +44,7 @@ def mean_motion(case: Case, results: Results) -> None:
         fields={"formula": "sqrt(mu / a**3)"},
         quantities={"value": "audit.mean_motion"},
     )
-    results.certificate(proved)
-    least, most = map(Fraction, str(proved.conclusions[-1].value).split(".."))
-    results.enclosed("audit.mean_motion", least, most, method="certificate mean-motion", source="Section 4")
-    results.say("Section 4, n", f"n = {float(least + most) / 2:.6g} rad/s")
+    results.prove(proved, source="Section 4")
 
 
 def observability_rank(A: fmpq_mat, C: fmpq_mat) -> int:
@@ -126,33 +122,6 @@ def factorisation(case: Case, results: Results) -> None:
     results.say("(3), (42)", "factorisation holds for every e, n, M; the strict bound fails at M = 0")
 
 
-def enclosed(
-    case: Case, results: Results, quantity: str, statement: str, *, id: str, source: str, **fields: Any
-) -> None:
-    """Enclose a measure of the eigenvalues of a matrix by a certificate; the quantity is the double in the middle."""
-    measure = fields["measure"]
-    proved = build.certificate(
-        "eigenvalues",
-        id=id,
-        tables=case,
-        statement=statement,
-        definitions=DEFINITIONS,
-        fields=fields,
-        quantities={measure: quantity},
-    )
-    results.certificate(proved)
-    low, high = map(Fraction, str(proved.conclusions[-1].value).split(".."))
-    value = float((low + high) / 2)
-    results.quantity(
-        quantity,
-        value,
-        lower=min(np.nextafter(value, -np.inf), float(low)),
-        source=source,
-        upper=max(np.nextafter(value, np.inf), float(high)),
-        method=f"certificate {id}, all eigenvalues enclosed",
-    )
-
-
 def pole_points(case: Case) -> list[list[str]]:
     """Return the six poles of (40) as pairs of decimals."""
     pairs = case.printed("observer_poles").rows
@@ -178,37 +147,37 @@ def observer_poles(case: Case, results: Results) -> None:
         recomputed=[complex(c.centre.real, abs(c.centre.imag)) for c in matched],
         radius=[c.radius for c in matched],
     )
-    enclosed(
-        case,
-        results,
-        "audit.observer_pole_error",
-        "Distance of the poles of A - LC from (40), best matching.",
-        id="eq40-distance",
-        source="(40), (41)",
-        matrix=OBSERVER_FORMULA,
-        measure="matching",
-        points=pole_points(case),
-    )
-    enclosed(
-        case,
-        results,
-        "observer.pole_error_corrected",
-        "The same with -0.0025 for the entry -0.025 of L.",
-        id="eq40-distance-corrected",
-        source="(40), (41)",
-        measure="matching",
-        points=pole_points(case),
-        matrix=f"{OBSERVER_FORMULA} - 0.0225 * unit(6, 1) @ unit(6, 0).T",
-    )
-    enclosed(
-        case,
-        results,
-        "audit.observer_abscissa",
-        "Spectral abscissa of A - LC with the printed L.",
-        id="observer-abscissa",
+    for id, quantity, change, sentence in (
+        ("eq40-distance", "audit.observer_pole_error", "", "Distance of the poles of A - LC from (40), best matching."),
+        (
+            "eq40-distance-corrected",
+            "observer.pole_error_corrected",
+            " - 0.0225 * unit(6, 1) @ unit(6, 0).T",
+            "The same with -0.0025 for the entry -0.025 of L.",
+        ),
+    ):
+        results.prove(
+            loop_proofs.pole_distance(
+                case,
+                f"{OBSERVER_FORMULA}{change}",
+                pole_points(case),
+                definitions=DEFINITIONS,
+                id=id,
+                statement=sentence,
+                quantity=quantity,
+            ),
+            source="(40), (41)",
+        )
+    results.prove(
+        loop_proofs.abscissa(
+            case,
+            OBSERVER_FORMULA,
+            definitions=DEFINITIONS,
+            id="observer-abscissa",
+            statement="Spectral abscissa of A - LC with the printed L.",
+            quantity="audit.observer_abscissa",
+        ),
         source="(41)",
-        matrix=OBSERVER_FORMULA,
-        measure="abscissa",
     )
     missed = []
     for number, (row, cluster) in enumerate(zip(printed.rows, matched, strict=True), start=1):
@@ -238,7 +207,6 @@ def observer_poles(case: Case, results: Results) -> None:
             case,
             "observer-stable",
             ("A - LC", OBSERVER_FORMULA),
-            A,
             "-0.4",
             "audit.observer_abscissa",
         )
@@ -246,20 +214,16 @@ def observer_poles(case: Case, results: Results) -> None:
     results.say("(40), (41)", f"{len(missed)} of 3 pole pairs of (40) missed; stable")
 
 
-def half_plane(
-    case: Case, id: str, named: tuple[str, str], matrix: np.ndarray, alpha: str, quantity: str
-) -> Certificate:
+def half_plane(case: Case, id: str, named: tuple[str, str], alpha: str, quantity: str) -> Certificate:
     """Return a certificate that a matrix, by name and formula, has its spectrum left of alpha (decimal text)."""
     name, formula = named
-    shifted = matrix - float(alpha) * np.eye(len(matrix))
-    return build.certificate(
-        "lyapunov",
-        id=id,
-        tables=case,
-        statement=f"Every eigenvalue of {name}, with the printed gains, has a real part below {alpha} 1/s.",
+    return loop_proofs.poles_left_of(
+        case,
+        formula,
+        alpha,
         definitions=DEFINITIONS,
-        fields={"matrix": formula, "alpha": alpha},
-        witness={"P": solve_continuous_lyapunov(shifted.T, -np.eye(len(matrix)))},
+        id=id,
+        statement=f"Every eigenvalue of {name}, with the printed gains, has a real part below {alpha} 1/s.",
         quantities={"abscissa": quantity},
     )
 
@@ -267,20 +231,19 @@ def half_plane(
 @task("(10), (11)")
 def feedback_poles(case: Case, results: Results) -> None:
     """Compute the poles of A - BK with the printed K and certify their half plane."""
-    model = plant.design_model(case)
-    closed = model.A - model.B @ case.matrix("K")
-    enclosed(
-        case,
-        results,
-        "audit.feedback_abscissa",
-        "Spectral abscissa of A - BK with the printed K.",
-        id="feedback-abscissa",
+    results.prove(
+        loop_proofs.abscissa(
+            case,
+            "A - B @ printed('K')",
+            definitions=DEFINITIONS,
+            id="feedback-abscissa",
+            statement="Spectral abscissa of A - BK with the printed K.",
+            quantity="audit.feedback_abscissa",
+        ),
         source="(44)",
-        matrix="A - B @ printed('K')",
-        measure="abscissa",
     )
     results.certificate(
-        half_plane(case, "feedback-stable", ("A - BK", "A - B @ printed('K')"), closed, "0", "audit.feedback_abscissa")
+        half_plane(case, "feedback-stable", ("A - BK", "A - B @ printed('K')"), "0", "audit.feedback_abscissa")
     )
 
 

@@ -4,27 +4,15 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from gainsay.figures import FigureSpec, bound, curve, curves, finish, panels
-from gainsay.logs import Log
+from gainsay.figures import FigureSpec, bound, compare, curve, figure_of_run, finish, panels
+from gainsay.logs import Log, Plot, lines
 from gainsay.tables import Case
 
-VELOCITIES = ("vx", "vy", "vz")
-VELOCITY_LABELS = ("$v_x$", "$v_y$", "$v_z$")
 _TRANSIENT, _APPROACH = 20.0, 3000.0
 
 
-def estimation_error(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw Figure 2: velocity components of the error vector."""
-    grid = panels(figure, ["velocity error of the estimate [m/s]"])
-    curves(grid[0], logs["nominal"], "/observer/error", VELOCITIES, labels=VELOCITY_LABELS, until=_TRANSIENT)
-    finish(figure, grid)
-
-
-def velocities(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw Figure 3: relative velocities."""
-    grid = panels(figure, ["relative velocity [m/s]"])
-    curves(grid[0], logs["nominal"], "/chaser/state", VELOCITIES, labels=VELOCITY_LABELS, until=_APPROACH)
-    finish(figure, grid)
+def _velocities(topic: str, label: str, until: float) -> Plot:
+    return Plot(label, lines(topic, ("vx", "vy", "vz"), labels=("$v_x$", "$v_y$", "$v_z$")), until=until)
 
 
 def thrusts(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
@@ -68,10 +56,7 @@ def starts(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     )
     limit = case.number("thrust_max_y")
     for panel in grid:
-        for run, label, role in named:
-            signal = logs[run]["/chaser/thrust"]
-            shown = signal.time <= _TRANSIENT
-            curve(panel, signal.time[shown], signal.column("y")[shown], role, label)
+        compare(panel, logs, "/chaser/thrust", "y", named, until=_TRANSIENT)
         bound(panel, limit, f"{limit:g} N (5)" if panel is grid[1] else "", both=panel is grid[1])
     grid[1].set_ylim(-1.25 * limit, 1.25 * limit)
     finish(figure, grid)
@@ -81,19 +66,18 @@ def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw range and spent velocity increment of the printed controller and of our designs."""
     grid = panels(figure, ["range to the target [m]", "velocity increment so far [m/s]"], columns=2)
     named = (("nominal", "printed", "nominal"), ("repaired", "repaired", "axis_3"), ("lqr", "LQR", "comparison"))
-    for run, label, role in named:
-        for panel, topic, field in zip(grid, ("/chaser/range", "/integrals"), ("range", "delta_v"), strict=True):
-            signal = logs[run][topic]
-            shown = signal.time <= _APPROACH
-            curve(panel, signal.time[shown], signal.column(field)[shown], role, label)
+    for panel, topic, field in zip(grid, ("/chaser/range", "/integrals"), ("range", "delta_v"), strict=True):
+        compare(panel, logs, topic, field, named, until=_APPROACH)
     grid[0].set_yscale("log")
     grid[0].set_ylim(bottom=1e-3)
     finish(figure, grid)
 
 
 FIGURES = (
-    FigureSpec("figure_2", ("nominal",), estimation_error),
-    FigureSpec("figure_3", ("nominal",), velocities),
+    figure_of_run(
+        "figure_2", "nominal", _velocities("/observer/error", "velocity error of the estimate [m/s]", _TRANSIENT)
+    ),
+    figure_of_run("figure_3", "nominal", _velocities("/chaser/state", "relative velocity [m/s]", _APPROACH)),
     FigureSpec("figure_4", ("nominal",), thrusts, 5.0),
     FigureSpec("figure_5", ("nominal",), trajectory),
     FigureSpec("starts", ("nominal", "exact_start", "blind_start"), starts),

@@ -8,7 +8,7 @@ import numpy as np
 from gainsay.exact.rational import shorten
 from gainsay.proof import Certificate, build
 from gainsay.results import Results
-from gainsay.statements import Stated, identical, matrix, scalar, symmetric
+from gainsay.statements import Stated, identical, matrix, optimum, scalar, symmetric
 from gainsay.tables import Case
 from papers.wan2014.plant import AXES
 from papers.wan2014.statements import EQ14, EQ29, OBSERVER, SYSTEM, closed_loop, farkas_multipliers
@@ -202,7 +202,7 @@ def largest(results: Results, quantity: str, stated: Stated, formula: str, *, id
     ends : dict
         Keys lower and upper, as `Results.quantity` takes them.
     """
-    found = stated.changed(minimise=f"-({formula})").infimum().need(stated.label)
+    found = optimum(results, stated.changed(minimise=f"-({formula})"))
     parts = stated.parts()
     parts["fields"] = {**parts["fields"], "maximise": formula}
     parts["fields"].pop("minimise", None)

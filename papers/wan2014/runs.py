@@ -9,7 +9,6 @@ from gainsay.logs import (
     Body,
     Bound,
     Columns,
-    EventLog,
     Layout,
     Line,
     Log,
@@ -22,7 +21,8 @@ from gainsay.logs import (
     Scene,
     Simulate,
     Tab,
-    Text,
+    about_tab,
+    lines,
     measuring,
 )
 from gainsay.simulation.ode import Trajectory
@@ -83,10 +83,8 @@ def fly(case: Case, loop: ClosedLoop, start: np.ndarray, log: LogWriter) -> None
     log.signal("/chaser/range", {"range": "m"}, time, plant.distance(time, states)[:, None])
     integrals = {"cost": "1", "delta_v": "m/s", "squared_error": "1"}
     log.signal("/integrals", integrals, time, states[:, [COST, DELTA_V, SQUARED_ERROR]])
-    again = scalars(case, loop, second)
     limits = {f"peak_f{axis}": limit for axis, limit in zip(AXES, loop.limits, strict=True)}
-    for name, (instant, value, unit) in scalars(case, loop, trajectory).items():
-        log.extreme(name, instant, value, unit, second=again[name][1], limit=limits.get(name))
+    log.extremes(scalars(case, loop, trajectory), scalars(case, loop, second), limits=limits)
     for axis, limit in zip(AXES, loop.limits, strict=True):
         log.bound(f"thrust_{axis}", "N", lower=-limit, upper=limit)
     note_saturation(loop, trajectory, log)
@@ -171,12 +169,12 @@ RUNS = (
 )
 
 
-def _axes(topic: str, fields: tuple[str, ...], suffix: str = "", label: str = "") -> tuple[Line, ...]:
-    return tuple(
-        Line(topic, field, f"{field}{label}", f"axis_{index}{suffix}") for index, field in enumerate(fields, start=1)
-    )
-
-
+POSITIONS, VELOCITIES = tuple(STATE)[:3], tuple(STATE)[3:]
+POSITION_SHOWN, VELOCITY_SHOWN = lines("/chaser/state", POSITIONS), lines("/chaser/state", VELOCITIES)
+ESTIMATED = lines(
+    "/observer/state", VELOCITIES, labels=[f"{name} estimated" for name in VELOCITIES], suffix="_estimate"
+)
+THRUST_SHOWN = lines("/chaser/thrust", AXES)
 #: what is shown at first: the approach, and the observer's transient, s
 _SHOWN, _TRANSIENT = 3000.0, 30.0
 
@@ -217,9 +215,9 @@ LAYOUT = Layout(
                     axes=("lvlh", "chaser"),
                 ),
                 Rows(
-                    Plot("Relative position [m]", _axes("/chaser/state", ("x", "y", "z")), until=_SHOWN),
-                    Plot("Relative velocity [m/s]", _axes("/chaser/state", ("vx", "vy", "vz")), until=_SHOWN),
-                    Plot("Thrust [N]", _axes("/chaser/thrust", AXES), until=_SHOWN, bounds=_BOUNDS),
+                    Plot("Relative position [m]", POSITION_SHOWN, until=_SHOWN),
+                    Plot("Relative velocity [m/s]", VELOCITY_SHOWN, until=_SHOWN),
+                    Plot("Thrust [N]", THRUST_SHOWN, until=_SHOWN, bounds=_BOUNDS),
                 ),
                 shares=(1, 1),
             ),
@@ -228,25 +226,22 @@ LAYOUT = Layout(
             "First seconds",
             Columns(
                 Rows(
-                    Plot("Thrust, first seconds [N]", _axes("/chaser/thrust", AXES), until=_TRANSIENT, bounds=_BOUNDS),
+                    Plot("Thrust, first seconds [N]", THRUST_SHOWN, until=_TRANSIENT, bounds=_BOUNDS),
                     Plot(
                         "Relative velocity and its estimate [m/s]",
                         until=_TRANSIENT,
-                        lines=(
-                            *_axes("/chaser/state", ("vx", "vy", "vz")),
-                            *_axes("/observer/state", ("vx", "vy", "vz"), "_estimate", " estimated"),
-                        ),
+                        lines=(*VELOCITY_SHOWN, *ESTIMATED),
                     ),
                 ),
                 Rows(
                     Plot(
                         "Velocity error of the estimate [m/s]",
                         until=_TRANSIENT,
-                        lines=_axes("/observer/error", ("vx", "vy", "vz")),
+                        lines=lines("/observer/error", VELOCITIES),
                     ),
                     Plot(
                         "Position error of the estimate [m]",
-                        _axes("/observer/error", ("x", "y", "z")),
+                        lines("/observer/error", POSITIONS),
                         until=_TRANSIENT,
                     ),
                 ),
@@ -264,7 +259,7 @@ LAYOUT = Layout(
                 ),
             ),
         ),
-        Tab("About", Columns(Text("About", ABOUT), EventLog())),
+        about_tab(ABOUT),
     ),
     look=LOOK,
 )

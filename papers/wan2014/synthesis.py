@@ -6,7 +6,7 @@ from gainsay.errors import ComputationError
 from gainsay.lmi import Infimum, Solved, infimum
 from gainsay.proof.formulas import names_in
 from gainsay.results import Results, task
-from gainsay.statements import Stated, enclose, prove
+from gainsay.statements import enclose, optimum, prove
 from gainsay.systems.spectrum import spectral_abscissa
 from gainsay.tables import Case
 from papers.wan2014 import conditions_digits as digits
@@ -33,13 +33,6 @@ BETWEEN = "upper end certified, lower end by multipliers proved for the program 
 ROOM, BOX_ROOM = 1e-6, 1e-4
 
 
-def _found(results: Results, where: str, stated: Stated) -> Infimum:
-    """Infimum of a program, its attempts kept."""
-    found = stated.infimum()
-    results.attempt(where, list(found.attempts))
-    return found.need(stated.label)
-
-
 def _narrow(found: Infimum, room: float) -> Infimum:
     """The infimum, if it is enclosed as narrowly as the record takes for granted.
 
@@ -58,7 +51,6 @@ def theorem_2(case: Case, results: Results) -> None:
     """Refute (14), and with it Theorems 2 and 3 and (38), exactly."""
     best, ends = proofs.margin(results)
     _narrow(best, BOX_ROOM)
-    results.attempt("(14)", list(best.attempts))
     margin = -best.value
     results.quantity(
         "farkas.margin",
@@ -88,8 +80,7 @@ def proofs_of_the_paper(case: Case, results: Results) -> None:
 @task("(38)")
 def problem_as_printed(case: Case, results: Results) -> None:
     """Put (38) as printed before the solver: what somebody who follows the paper sees."""
-    result = problem_38(case).solve()
-    results.attempt("(38)", list(result.attempts))
+    result = results.attempted("(38)", problem_38(case).solve())
     if isinstance(result, Solved):
         raise ComputationError("(38)", "a point was found although (14) is proved infeasible", result.attempts)
     results.say("(38)", f"no point ({len(result.attempts)} attempts)")
@@ -123,14 +114,14 @@ def subproblem(case: Case, results: Results) -> None:
         ("rho_input_twice", True, "2"),
     ):
         stated = state_feedback(case, saturated, weight)
-        found[name] = _narrow(_found(results, name, stated), ROOM)
+        found[name] = _narrow(optimum(results, stated, name), ROOM)
         sentence = "rho over block rows 1, 3, 5, 7 of (14) with (30) at e(0) = 0"
         sentence += f"{' and (31)' if saturated else ''}{', R twice' if weight == '2' else ''}"
         enclose(results, f"subproblem.{name}", stated, found[name], sentence=sentence, source="(14), (30), (31)")
     best = found["rho"]
     rho = best.value
-    optimum = {name: np.asarray(best.values[name]) / rho for name in ("X", "Y", "eps")}
-    spread = digits.spreads(case, optimum, rho)
+    normalised = {name: np.asarray(best.values[name]) / rho for name in ("X", "Y", "eps")}
+    spread = digits.spreads(case, normalised, rho)
     K, design = searches.gain(best.values), case.designs["resynthesised"]["K"]
     # Six digits: more would change with the last digits of the proved end, and with them the statement on record.
     level = f"{digits.NEAR * best.lower:.5e}"
@@ -157,7 +148,7 @@ def subproblem(case: Case, results: Results) -> None:
             upper=high,
             method=f"entry of designs/resynthesised.json, which is proved near the optimum; its range {NEAR}",
         )
-    for name, value in (("X", optimum["X"]), ("Y", optimum["Y"]), ("K", K)):
+    for name, value in (("X", normalised["X"]), ("Y", normalised["Y"]), ("K", K)):
         s = spread[name]
         results.gains(
             name, published=case.printed(name), resynthesised=value, identified=s.identified, low=s.low, high=s.high
@@ -176,14 +167,14 @@ def rounding_of_43(case: Case, results: Results) -> None:
     """Range rho over all X and Y that round to the printed digits; prove (43) and (44) consistent."""
     stated, source, ends = printed_digits(case), "(14), (30), (31), (43)", {}
     for name, formula, sign in (("upper", "inverse_rho", 1), ("lower", "-inverse_rho", -1)):
-        found = ends[name] = _narrow(_found(results, f"rho_{name}", stated.changed(minimise=formula)), BOX_ROOM)
+        found = ends[name] = _narrow(optimum(results, stated.changed(minimise=formula), f"rho_{name}"), BOX_ROOM)
         lower, upper = sorted(sign / end for end in (found.lower, found.upper))
         results.quantity(
             f"box.rho_{name}", sign / found.value, lower=lower, upper=upper, method=ENCLOSED, source=source
         )
     for name, formula in (("x11", "X[0,0]"), ("x22", "X[1,1]"), ("eps", "eps")):
         for end, sign in (("lower", 1), ("upper", -1)):
-            found = _narrow(_found(results, f"{name}_{end}", stated.changed(minimise=f"{sign}*{formula}")), BOX_ROOM)
+            found = _narrow(optimum(results, stated.changed(minimise=f"{sign}*{formula}"), f"{name}_{end}"), BOX_ROOM)
             lower, upper = sorted((sign * found.lower, sign * found.upper))
             results.quantity(
                 f"box.{name}_{end}", sign * found.value, lower=lower, upper=upper, method=ENCLOSED, source=source
@@ -227,7 +218,7 @@ def _certified(case: Case, results: Results, name: str, gain: str) -> np.ndarray
     """Bound cost and thrust of a gain from both sides, certify, write the quantities; return the thrusts, N."""
     slug = name.replace("_", "-")
     stated = cost_bound(case, gain)
-    cost = _found(results, name, stated)
+    cost = optimum(results, stated, name)
     certificate = proofs.cost_certificate(
         case,
         gain,
@@ -253,9 +244,7 @@ def _certified(case: Case, results: Results, name: str, gain: str) -> np.ndarray
     peaks = []
     for i, axis in enumerate(AXES):
         stated = thrust_bound(case, gain, i)
-        found = infimum(stated.program(), near=sizes)
-        results.attempt(f"{name} {axis}", list(found.attempts))
-        found = found.need(stated.label)
+        found = results.attempted(f"{name} {axis}", infimum(stated.program(), near=sizes)).need(stated.label)
         certificate = proofs.thrust_certificate(
             case, gain, found.solved.values, i, id=f"{slug}-thrust-{axis}", quantity=f"{name}.thrust_{axis}"
         )
@@ -296,7 +285,7 @@ def repaired(case: Case, results: Results) -> None:
 def corrected_theorem(case: Case, results: Results) -> None:
     """Show that the theorem can be had: separate Lyapunov matrices for estimate and error are feasible."""
     stated = joint_design(case)
-    best = _found(results, "Theorem 2, corrected", stated)
+    best = optimum(results, stated, "Theorem 2, corrected")
     enclose(
         results,
         "joint.cost_bound",

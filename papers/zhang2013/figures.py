@@ -1,11 +1,10 @@
 """What the captions of Figures 1 to 3 announce, drawn from the logs (the pictures are lost), and two of ours."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gainsay.figures import FigureSpec, curve, finish, panels
+from gainsay.figures import FigureSpec, compare, finish, panels
 from gainsay.logs import Log
 from gainsay.tables import Case
 
@@ -18,42 +17,21 @@ READINGS = (
 )
 
 
-def _draw(
-    panel: Axes,
-    logs: Mapping[str, Log],
-    topic: str,
-    field: str,
-    shown: tuple[float, float],
-    named: Iterable[tuple[str, str, str]],
-) -> None:
-    """Draw one field of several runs, each (run, label, role), between two times."""
-    for run, label, role in named:
-        signal = logs[run][topic]
-        inside = (signal.time >= shown[0]) & (signal.time <= shown[1])
-        dash = "dashed" if role == "perturbed" else ""  # it lies on the first reading for most of the run
-        curve(panel, signal.time[inside], signal.column(field)[inside], role, label, dash=dash)
+#: lies on the first reading for most of the run
+DASHED = ("input_delayed_matched",)
 
 
-def angle(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw Figure 1: the attitude angle."""
-    grid = panels(figure, ["pitch angle [mrad]"])
-    _draw(grid[0], logs, "/spacecraft/attitude_mrad", "angle", (0.0, _SHOWN), READINGS)
-    finish(figure, grid)
+def _readings(
+    name: str, label: str, topic: str, field: str, until: float, named: Sequence[tuple[str, str, str]]
+) -> FigureSpec:
+    """One field in the readings of the text."""
 
+    def draw(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
+        grid = panels(figure, [label])
+        compare(grid[0], logs, topic, field, named, until=until, dashed=DASHED)
+        finish(figure, grid)
 
-def rate(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw Figure 2: the attitude angle rate."""
-    grid = panels(figure, ["pitch rate [mrad/s]"])
-    _draw(grid[0], logs, "/spacecraft/rate_mrad_s", "rate", (0.0, _SHOWN), READINGS)
-    finish(figure, grid)
-
-
-def estimation(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw Figure 3: the error of the estimated vibration torque."""
-    named = tuple(reading for reading in READINGS if reading[0] != "no_observer")
-    grid = panels(figure, [r"$w_2 - \hat w_2$ [N m]"])
-    _draw(grid[0], logs, "/observer", "error", (0.0, _ESTIMATE), named)
-    finish(figure, grid)
+    return FigureSpec(name, tuple(run for run, _, _ in named), draw)
 
 
 def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
@@ -64,8 +42,8 @@ def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         ("repaired", "repaired", "axis_3"),
         ("resynthesised", "least squares", "comparison"),
     )
-    _draw(grid[0], logs, "/spacecraft/attitude_mrad", "angle", (0.0, _SHOWN), named)
-    _draw(grid[1], logs, "/observer", "error", (0.0, _ESTIMATE), named[::-1])  # the largest behind
+    compare(grid[0], logs, "/spacecraft/attitude_mrad", "angle", named, until=_SHOWN)
+    compare(grid[1], logs, "/observer", "error", named[::-1], until=_ESTIMATE)  # the largest behind
     finish(figure, grid)
 
 
@@ -77,37 +55,16 @@ def refused(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     grid = panels(figure, labels, titles=titles, columns=2, share_time=False)
     topics = (("/spacecraft/attitude_mrad", "angle"), ("/disturbance", "w2"))
     for row, (topic, field) in enumerate(topics):
-        for column, shown in enumerate(((0.0, _WINDOW), (end - _WINDOW, end))):
-            _draw(grid[2 * row + column], logs, topic, field, shown, named)
+        for column, (since, until) in enumerate(((0.0, _WINDOW), (end - _WINDOW, end))):
+            compare(grid[2 * row + column], logs, topic, field, named, since=since, until=until)
     grid[3].set_ylim(grid[2].get_ylim())
     finish(figure, grid[2:])
 
 
 FIGURES = (
-    FigureSpec(
-        "figure_1",
-        ("nominal", "input_delayed_matched", "no_observer"),
-        angle,
-    ),
-    FigureSpec(
-        "figure_2",
-        ("nominal", "input_delayed_matched", "no_observer"),
-        rate,
-    ),
-    FigureSpec(
-        "figure_3",
-        ("nominal", "input_delayed_matched"),
-        estimation,
-    ),
-    FigureSpec(
-        "designs",
-        ("nominal", "repaired", "resynthesised"),
-        designs,
-    ),
-    FigureSpec(
-        "refused",
-        ("fast",),
-        refused,
-        4.2,
-    ),
+    _readings("figure_1", "pitch angle [mrad]", "/spacecraft/attitude_mrad", "angle", _SHOWN, READINGS),
+    _readings("figure_2", "pitch rate [mrad/s]", "/spacecraft/rate_mrad_s", "rate", _SHOWN, READINGS),
+    _readings("figure_3", r"$w_2 - \hat w_2$ [N m]", "/observer", "error", _ESTIMATE, READINGS[:2]),
+    FigureSpec("designs", ("nominal", "repaired", "resynthesised"), designs),
+    FigureSpec("refused", ("fast",), refused, 4.2),
 )

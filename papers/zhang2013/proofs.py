@@ -1,16 +1,12 @@
 """Certificates of zhang2013: what a floating-point result becomes once it is proved from the tables."""
 
-from collections.abc import Mapping
 from fractions import Fraction
-
-import numpy as np
-from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 
 from gainsay.proof import Certificate
 from gainsay.proof.build import certificate
 from gainsay.statements import Stated, Step, identical, implication, scalar, symmetric
+from gainsay.systems import loop_proofs
 from gainsay.tables import Case
-from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.statements import (
     MINUS,
     OFFSETS,
@@ -36,32 +32,15 @@ def gains_of(design: str) -> tuple[str, str]:
     return f"design('{design}', 'K')", f"design('{design}', 'L')"
 
 
-def enclosure(proved: Certificate) -> dict[str, float]:
-    """Value, lower and upper of the quantity that a certificate encloses; `results.quantity` takes them.
-
-    The ends are the doubles next to the value, where the enclosure is narrower than those.
-    """
-    low, high = next(
-        map(Fraction, str(found.value).split("..")) for found in proved.conclusions if found.relation == "inside"
-    )
-    value = float((low + high) / 2)
-    lower, upper = (np.nextafter(value, end) for end in (-np.inf, np.inf))
-    return {"value": value, "lower": float(min(lower, float(low))), "upper": float(max(upper, float(high)))}
-
-
 def norm_without_delay(case: Case, value: float) -> Certificate:
     """Bounded real lemma for (7) without delay: the norm is below `value` and the loop stable."""
-    loop = Spacecraft.of(case).design_loop(case.printed("K").exact, case.printed("L").exact)
-    A, B, C = loop.A + loop.A1, loop.B, loop.C
-    P = solve_continuous_are(A, B, C.T @ C + 1e-7 * np.eye(3), -(value**2) * np.eye(2))
-    return certificate(
-        "bounded_real",
-        id="hinf-delay-0",
-        tables=case,
-        statement="The norm of (7) without delay is below this level, and the loop is stable.",
+    return loop_proofs.norm_below(
+        case,
+        {"A": "A_bar + A_d", "B": "B_bar", "C": "C_z", "D": "C_d"},
+        f"{value:.9f}",
         definitions=PRINTED_LOOP,
-        witness={"P": P},
-        fields={"A": "A_bar + A_d", "B": "B_bar", "C": "C_z", "D": "C_d", "gamma": f"{value:.9f}"},
+        id="hinf-delay-0",
+        statement="The norm of (7) without delay is below this level, and the loop is stable.",
         quantities={"norm": "audit.hinf.delay_0"},
     )
 
@@ -137,40 +116,6 @@ def block_diagonal_lyapunov(case: Case) -> Stated:
         unknowns={"P11": symmetric(6), "P12": symmetric(1)},
         where=flexible_loop(*PRINTED_GAINS),
         label="(25) flexible",
-    )
-
-
-def abscissa(
-    case: Case, name: str, matrix: str, definitions: Mapping[str, str], quantity: str, statement: str
-) -> Certificate:
-    """Enclosure of a spectral abscissa."""
-    return certificate(
-        "eigenvalues",
-        id=name,
-        tables=case,
-        statement=statement,
-        definitions=definitions,
-        fields={"matrix": matrix, "measure": "abscissa"},
-        quantities={"abscissa": quantity},
-    )
-
-
-def unstable(
-    case: Case, name: str, matrix: str, definitions: Mapping[str, str], value: np.ndarray, quantity: str, statement: str
-) -> Certificate:
-    """A matrix (formula; `value` its floats) has an eigenvalue in the right half plane."""
-    P = solve_continuous_lyapunov(value.T, -np.eye(len(value)))
-    P = (P + P.T) / 2
-    z = np.linalg.eigh(P)[1][:, :1]
-    return certificate(
-        "unstable",
-        id=name,
-        tables=case,
-        statement=statement,
-        definitions=definitions,
-        fields={"matrix": matrix, "alpha": "0"},
-        witness={"P": P / np.abs(P).max(), "z": z},
-        quantities={"stable": quantity},
     )
 
 

@@ -10,7 +10,6 @@ from gainsay.logs import (
     Body,
     Bound,
     Columns,
-    EventLog,
     Layout,
     Line,
     LogWriter,
@@ -21,7 +20,8 @@ from gainsay.logs import (
     Scene,
     Simulate,
     Tab,
-    Text,
+    about_tab,
+    lines,
     measuring,
 )
 from gainsay.logs.sampling import moving_samples
@@ -64,9 +64,7 @@ def record(case: Case, flight: Flight, second: Flight, log: LogWriter) -> None:
         for density in (lambda t, x: (flight.w2(x) - flight.estimate(x)) ** 2, lambda t, x: x[:, 0] ** 2)
     ]
     log.signal("/integrals", {"squared_error": "N^2 m^2 s", "squared_angle": "rad^2 s"}, time, np.column_stack(squares))
-    again = numbers(second)
-    for name, (instant, value, unit) in numbers(flight).items():
-        log.extreme(name, instant, value, unit, second=again[name][1])
+    log.extremes(numbers(flight), numbers(second))
     log.bound("delay", "s", lower=0.0, upper=case.number("d_M"))
     log.event(0.0, "start", f"mode {flight.mode}, first estimate {estimate[0]:.4g} N m")
     draw_scene(time, states, log)
@@ -126,43 +124,17 @@ SHORT = (
     "vibration_rms_50s",
 )
 FULL = (*SHORT, "estimation_error_rms_50s", "estimation_error_rms_end")
+#: reading of the text: where the delay acts, and the start of the observer
+READINGS = {
+    "matched_start": ("paper", "matched"),
+    "input_delayed": ("all", "zero"),
+    "input_delayed_matched": ("all", "matched"),
+}
 RUNS = (
     RunSpec("nominal", printed("paper", "zero"), measure("run", *FULL)),
-    RunSpec(
-        "matched_start",
-        printed("paper", "matched"),
-        measure("run.matched_start", *FULL),
-    ),
-    RunSpec(
-        "input_delayed",
-        printed("all", "zero"),
-        measure("run.input_delayed", *FULL),
-    ),
-    RunSpec(
-        "input_delayed_matched",
-        printed("all", "matched"),
-        measure("run.input_delayed_matched", *FULL),
-    ),
-    RunSpec(
-        "no_observer",
-        printed("no_observer", "zero"),
-        measure("run.no_observer", *SHORT),
-    ),
-    RunSpec(
-        "resynthesised",
-        designed("resynthesised"),
-        measure("run.resynthesised", *FULL),
-    ),
-    RunSpec(
-        "fast",
-        designed("fast"),
-        measure("run.fast", *FULL),
-    ),
-    RunSpec(
-        "repaired",
-        designed("repaired"),
-        measure("run.repaired", *FULL),
-    ),
+    *(RunSpec(name, printed(*reading), measure(f"run.{name}", *FULL)) for name, reading in READINGS.items()),
+    RunSpec("no_observer", printed("no_observer", "zero"), measure("run.no_observer", *SHORT)),
+    *(RunSpec(name, designed(name), measure(f"run.{name}", *FULL)) for name in ("resynthesised", "fast", "repaired")),
 )
 
 ABOUT = """# Flexible spacecraft of Zhang, Li and Guo 2013
@@ -189,7 +161,7 @@ def _one(title: str, topic: str, field: str, label: str, role: str, until: float
     return Plot(title, (Line(topic, field, label, role),), until=until)
 
 
-_MODES = tuple(Line("/spacecraft/modes", f"eta{i}", f"eta{i}", f"axis_{i}") for i in (1, 2))
+_MODES = lines("/spacecraft/modes", ("eta1", "eta2"))
 
 LAYOUT = Layout(
     "zhang2013",
@@ -261,7 +233,7 @@ LAYOUT = Layout(
                 ),
             ),
         ),
-        Tab("About", Columns(Text("About", ABOUT), EventLog())),
+        about_tab(ABOUT),
     ),
     look=LOOK,
 )

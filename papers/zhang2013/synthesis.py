@@ -6,7 +6,8 @@ from flint import fmpq
 from gainsay.errors import ComputationError
 from gainsay.lmi import Infimum, Solved
 from gainsay.results import Results, task
-from gainsay.statements import Stated, prove
+from gainsay.statements import Stated, optimum, prove
+from gainsay.systems import loop_proofs
 from gainsay.systems.delay_spectrum import hinf_norm, spectral_abscissa
 from gainsay.tables import Case
 from papers.zhang2013 import derivations_misprints as misprints
@@ -39,13 +40,6 @@ ROOM = 1e-5
 SWEEP = ("0.03", "0.12", "0.3", "1", "3", "10")
 
 
-def enclosed(stated: Stated, results: Results, where: str) -> Infimum:
-    """Enclosure of an infimum; attempts kept, anything else raised."""
-    found = stated.infimum()
-    results.attempt(where, list(found.attempts))
-    return found.need(f"{where}: {stated.label}")
-
-
 def roomy(value: float, lower: float, upper: float) -> dict[str, float]:
     """Value, lower and upper of an optimum widened to `ROOM`; `results.quantity` takes them.
 
@@ -71,8 +65,7 @@ def near_optimum(design: str, stated: Stated, lower: float, results: Results) ->
     ComputationError
         If its checked objective lies above `NEAR_OPTIMUM` times the lower bound of all gains.
     """
-    found = stated.solve()
-    results.attempt(design, list(found.attempts))
+    found = results.attempted(design, stated.solve())
     if (reached := found.need(design).objective) > NEAR_OPTIMUM * lower:
         raise ComputationError(
             design, f"designs/{design}.json reaches {reached:.9g}, not {NEAR_OPTIMUM:g} times {lower:.9g}: search again"
@@ -82,7 +75,7 @@ def near_optimum(design: str, stated: Stated, lower: float, results: Results) ->
 def accepted(results: Results, edition: str, gains: tuple[str, str], quantity: str, id: str, l1: str = PLUS) -> Infimum:
     """Prove that (23) accepts gains, formulas of K and L: M = K X and N = P22' L."""
     case = results.case
-    found = enclosed(margin_program(case, edition, l1=l1, **for_gains(*gains)), results, "(24)")
+    found = optimum(results, margin_program(case, edition, l1=l1, **for_gains(*gains)), "(24)")
     prove(
         results,
         quantity,
@@ -147,7 +140,7 @@ def margins(case: Case, results: Results) -> None:
             "eq23-printed-feasible",
         ),
     ):
-        found = enclosed(margin_program(case, edition, l1=l1), results, "(23)")
+        found = optimum(results, margin_program(case, edition, l1=l1), "(23)")
         results.quantity(
             margin,
             **roomy(-found.value, -found.upper, -found.lower),
@@ -158,8 +151,7 @@ def margins(case: Case, results: Results) -> None:
         prove(results, quantity, theorem_2(case, edition, l1=l1), found.solved, id=id, sentence=sentence, source="(23)")
         results.say("(23)", f"{edition}, lambda1 = {l1}: margin {-found.value:.7g}")
     stated = theorem_2(case, "printed")
-    as_printed = stated.solve()
-    results.attempt("(23) printed", list(as_printed.attempts))
+    as_printed = results.attempted("(23) printed", stated.solve())
     prove(
         results,
         "theorem2.printed_feasible",
@@ -196,10 +188,15 @@ def unsound(case: Case, results: Results) -> None:
     K, L = gains_of("unsound")
     accepted(results, "printed", (K, L), "unsound.accepted", "unsound-accepted", l1="1")
     pole = -(np.array(case.designs["unsound"].exact("L"), dtype=object) @ Spacecraft.of(case).B)
-    statement = "The observer of that design is unstable."
     results.prove(
-        proofs.unstable(
-            case, "unsound-observer", f"-({L} @ B)", PLANT, pole.astype(float), "unsound.observer_stable", statement
+        loop_proofs.pole_right_of(
+            case,
+            f"-({L} @ B)",
+            "0",
+            definitions=PLANT,
+            id="unsound-observer",
+            statement="The observer of that design is unstable.",
+            quantities={"stable": "unsound.observer_stable"},
         ),
         source="(5)",
     )
@@ -218,7 +215,7 @@ def unsound(case: Case, results: Results) -> None:
 def resynthesised(case: Case, results: Results) -> None:
     """The corrected Theorem 2 with an objective that leaves one solution."""
     gains = gains_of("resynthesised")
-    found = enclosed(least_squares_program(case), results, "pinned")
+    found = optimum(results, least_squares_program(case), "pinned")
     K = case.designs["resynthesised"]["K"]
     near_optimum("resynthesised", least_squares_program(case, **for_gains(*gains)), found.lower, results)
     results.quantity(
@@ -240,7 +237,7 @@ def resynthesised(case: Case, results: Results) -> None:
 def fast(case: Case, results: Results) -> None:
     """A design of least gamma: accepted by the corrected LMIs, unstable on the flexible plant."""
     gains = gains_of("fast")
-    found = enclosed(fast_program(case), results, "fast")
+    found = optimum(results, fast_program(case), "fast")
     K, L = case.designs["fast"]["K"], case.designs["fast"]["L"]
     near_optimum("fast", fast_program(case, **for_gains(*gains)), found.lower, results)
     results.quantity(
@@ -251,32 +248,31 @@ def fast(case: Case, results: Results) -> None:
     )
     accepted(results, "corrected", gains, "fast.accepted", "fast-accepted")
     list_gains(case, results, K, L)
-    delayed = Spacecraft.of(case).flexible_loop(K, L, "paper")
     loop = flexible_loop(*gains)
     results.prove(
-        proofs.unstable(
+        loop_proofs.pole_right_of(
             case,
-            "fast-unstable",
             "A_bar + A_d",
-            loop,
-            delayed.A + delayed.A1,
-            "fast.flexible_stable",
-            "Without delay the flexible plant with the fast design is unstable.",
+            "0",
+            definitions=loop,
+            id="fast-unstable",
+            statement="Without delay the flexible plant with the fast design is unstable.",
+            quantities={"stable": "fast.flexible_stable"},
         ),
         source="(1), (4), (6)",
     )
-    grows = proofs.abscissa(
-        case,
-        "fast-abscissa",
-        "A_bar + A_d",
-        loop,
-        "fast.flexible_abscissa",
-        "Spectral abscissa of the flexible plant with the fast design.",
+    results.prove(
+        loop_proofs.abscissa(
+            case,
+            "A_bar + A_d",
+            definitions=loop,
+            id="fast-abscissa",
+            statement="Spectral abscissa of the flexible plant with the fast design.",
+            quantity="fast.flexible_abscissa",
+        ),
+        source="(1), (4), (6)",
     )
-    results.certificate(grows)
-    rate = proofs.enclosure(grows)
-    results.quantity("fast.flexible_abscissa", **rate, method="eigenvalues in balls", source="(1), (4), (6)")
-    results.say("Theorem 2, least gamma", f"accepted; flexible plant unstable, abscissa {rate['value']:+.3e} 1/s")
+    results.say("Theorem 2, least gamma", "accepted; flexible plant unstable")
 
 
 def list_gains(case: Case, results: Results, *others: np.ndarray) -> None:
@@ -343,16 +339,17 @@ def repaired(case: Case, results: Results) -> None:
         method="spectral discretisation and Newton",
     )
     gains = gains_of("repaired")
-    rigid = proofs.abscissa(
-        case,
-        "repaired-abscissa",
-        f"A + B @ {gains[0]}",
-        PLANT,
-        "repaired.design_abscissa",
-        "Spectral abscissa of A + BK with the repaired K.",
+    results.prove(
+        loop_proofs.abscissa(
+            case,
+            f"A + B @ {gains[0]}",
+            definitions=PLANT,
+            id="repaired-abscissa",
+            statement="Spectral abscissa of A + BK with the repaired K.",
+            quantity="repaired.design_abscissa",
+        ),
+        source="(3)",
     )
-    results.certificate(rigid)
-    results.quantity("repaired.design_abscissa", **proofs.enclosure(rigid), method="eigenvalues in balls", source="(3)")
     exact = case.exact("d_M")
     loop = craft.design_loop(K, L)
     results.quantity(

@@ -8,8 +8,9 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from gainsay.figures import FigureSpec, bound, curve, finish, panels, save
+from gainsay.figures import FigureSpec, bound, compare, curve, figure_of_run, finish, panels, save
 from gainsay.figures.style import STYLE, width_of
+from gainsay.logs import Bound, LogWriter, Plot, lines, read_log
 from gainsay.logs.palette import role
 
 TIME = np.linspace(0.0, 10.0, 200)
@@ -78,3 +79,47 @@ def test_a_figure_is_the_same_to_the_byte(tmp_path):
     for ending in ("svg", "png"):
         files = [(tmp_path / name / f"made_up.{ending}").read_bytes() for name in ("one", "two")]
         assert files[0] == files[1] and len(files[0]) > 10000
+
+
+def sine_log(path):
+    with LogWriter(path, provenance={}) as log:
+        log.signal("/state", {"x": "N", "y": "N"}, TIME, np.column_stack([np.sin(TIME), np.cos(TIME)]))
+        log.bound("thrust", "N", lower=-0.5, upper=0.75)
+    return read_log(path)
+
+
+def drawn(draw):
+    with matplotlib.rc_context(STYLE):
+        made = Figure(figsize=(6.9, 3.0), layout="constrained")
+        FigureCanvasAgg(made)
+        draw(made)
+    return made
+
+
+def test_a_figure_of_one_run_shows_the_curves_and_the_bounds_of_its_plots(tmp_path):
+    log = sine_log(tmp_path / "run.mcap")
+    plots = (
+        Plot("thrust [N]", lines("/state", "xy", labels=("along", "across")), (Bound("thrust", "5"),), until=5.0),
+        Plot("across [N]", lines("/state", "y")),
+    )
+    spec = figure_of_run("figure_1", "nominal", *plots)
+    assert (spec.name, spec.runs) == ("figure_1", ("nominal",))
+    first, second = drawn(lambda figure: spec.draw(figure, {"nominal": log}, None)).axes
+    assert first.get_ylabel() == "thrust [N]"
+    along, across, *bounds = first.get_lines()
+    assert (along.get_label(), along.get_color()) == ("along", role("axis_1").on_light)
+    assert across.get_xdata().max() <= 5.0 < second.get_lines()[0].get_xdata().max()
+    assert sorted(line.get_ydata()[0] for line in bounds) == [-0.5, 0.75]
+
+
+def test_runs_are_compared_within_the_times_shown(tmp_path):
+    logs = {name: sine_log(tmp_path / f"{name}.mcap") for name in ("a", "b")}
+    named = (("a", "first", "nominal"), ("b", "second", "perturbed"))
+
+    def both(figure):
+        compare(panels(figure, ["x [N]"])[0], logs, "/state", "x", named, since=2.0, until=4.0, dashed=("a",))
+
+    (panel,) = drawn(both).axes
+    first, second = panel.get_lines()
+    assert (first.get_linestyle(), second.get_label()) == ("--", "second")
+    np.testing.assert_array_equal(first.get_xdata(), TIME[(TIME >= 2.0) & (TIME <= 4.0)])

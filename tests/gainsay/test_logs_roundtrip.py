@@ -93,7 +93,9 @@ def test_everything_a_log_holds(tmp_path):
         log.event(0.05, "early", "first")
         log.extreme("peak", 0.1 + 1e-13, 1 / 3, "N", second=0.3, limit=0.25)
         log.extreme("least", 0.2, -0.25, "N", second=-0.25, limit=0.25)
-        log.extreme("rounded", 0.2, -0.25 * (1 + 1e-12), "N", limit=0.25)
+        log.extremes(
+            {"rounded": (0.2, -0.25 * (1 + 1e-12), "N")}, {"rounded": (0.1, -0.2, "N")}, limits={"rounded": 0.25}
+        )
         log.summary("cost", 2 / 3, "1")
         log.transform("lvlh", "chaser", time, np.eye(3), [[0, 0, 0, 1]] * 3)
     log = read_log(path)
@@ -102,7 +104,7 @@ def test_everything_a_log_holds(tmp_path):
     assert log["/state"].units == UNITS
     assert log["/state"].frame()["y"].tolist() == [1.0] * 3
     assert log["/state"].frame().index.tolist() == time.tolist()
-    assert log.extremes["rounded"][:2] == (0.2, -0.25 * (1 + 1e-12))
+    assert log.extremes["rounded"] == (0.2, -0.25 * (1 + 1e-12), -0.2)
     assert {name: log.extremes[name] for name in ("peak", "least")} == {
         "peak": (0.1 + 1e-13, 1 / 3, 0.3), "least": (0.2, -0.25, -0.25)
     }  # fmt: skip

@@ -67,5 +67,5 @@ def test_unstable_loop_has_no_norm(case):
 
 
 def test_unknown_controller_is_refused(case):
-    with pytest.raises(InputError, match="proposed or comparison"):
+    with pytest.raises(InputError, match="proposed, comparison or a design"):
         plant.controller(case, "other")

@@ -1,20 +1,6 @@
 """Displacement and control over time."""
 
-from collections.abc import Mapping
+from gainsay.figures import figure_of_run
+from papers.double_integrator.runs import PLOTS
 
-from matplotlib.figure import Figure
-
-from gainsay.figures import FigureSpec, curves, finish, panels
-from gainsay.logs import Log
-from gainsay.tables import Case
-
-
-def both(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw the two curves above each other."""
-    above, below = drawn = panels(figure, ["Displacement [m]", "Control [N]"])
-    curves(above, logs["nominal"], "/mass", ("x",))
-    curves(below, logs["nominal"], "/control", ("u",))
-    finish(figure, drawn)
-
-
-FIGURES = (FigureSpec("figure_1", ("nominal",), both),)
+FIGURES = (figure_of_run("figure_1", "nominal", *PLOTS),)

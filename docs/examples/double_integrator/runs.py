@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from gainsay.logs import EventLog, Layout, Line, Log, LogWriter, Measured, Plot, Rows, RunSpec, Tab
+from gainsay.logs import Log, LogWriter, Measured, Plot, RunSpec, default_layout, lines
 from gainsay.simulation.linear import Response
 from gainsay.tables import Case
 from papers.double_integrator.plant import closed_loop, cost
@@ -47,16 +47,5 @@ def measure(case: Case, log: Log) -> dict[str, Measured]:
 
 
 RUNS = (RunSpec("nominal", simulate, measure),)
-LAYOUT = Layout(
-    "double_integrator",
-    (
-        Tab(
-            "Response",
-            Rows(
-                Plot("Displacement [m]", (Line("/mass", "x", "x", "axis_1"),)),
-                Plot("Control [N]", (Line("/control", "u", "u", "axis_1"),)),
-                EventLog(),
-            ),
-        ),
-    ),
-)
+PLOTS = Plot("Displacement [m]", lines("/mass", ("x",))), Plot("Control [N]", lines("/control", ("u",)))
+LAYOUT = default_layout("double_integrator", "A mass brought to rest by the printed regulator.", *PLOTS)

@@ -1,6 +1,7 @@
 """What all figures share: panels, curves in the colour of their role, named bounds, legends, deterministic files."""
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from gainsay.figures.style import DASHES, RESOLUTION, STYLE, width_of
-from gainsay.logs import Log
+from gainsay.logs import Log, Plot
 from gainsay.logs.palette import role
 from gainsay.tables import Case
 
@@ -107,6 +108,67 @@ def curves(
     for index, field in enumerate(fields):
         label = labels[index] if labels else field
         curve(panel, signal.time[shown], signal.column(field)[shown], f"axis_{index + 1}", label)
+
+
+def compare(
+    panel: Axes,
+    logs: Mapping[str, Log],
+    topic: str,
+    field: str,
+    runs: Iterable[tuple[str, str, str]],
+    *,
+    since: float = 0.0,
+    until: float = math.inf,
+    dashed: Collection[str] = (),
+) -> None:
+    """Draw one field of several runs.
+
+    Parameters
+    ----------
+    panel : Axes
+    logs : mapping of str to Log
+    topic, field : str
+    runs : iterable of (str, str, str)
+        Name of a run, what the legend says of it, and its colour role; the last one lies on top.
+    since, until : float, optional
+        What is shown, s.
+    dashed : collection of str, optional
+        Runs whose curves would cover another one beneath.
+    """
+    for run, label, role_name in runs:
+        signal = logs[run][topic]
+        shown = (signal.time >= since) & (signal.time <= until)
+        dash = "dashed" if run in dashed else ""
+        curve(panel, signal.time[shown], signal.column(field)[shown], role_name, label, dash=dash)
+
+
+def figure_of_run(name: str, run: str, *plots: Plot, height: float = 3.0) -> FigureSpec:
+    """Figure of one run that needs no drawing of its own: a panel for each plot, as a layout for viewers has it.
+
+    Parameters
+    ----------
+    name, run : str
+    *plots : Plot
+        Curves, end of the time shown, and bounds, with the values that the run logs.
+    height : float, optional
+        Inches.
+    """
+
+    def draw(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
+        log = logs[run]
+        grid = panels(figure, [plot.title for plot in plots])
+        for panel, plot in zip(grid, plots, strict=True):
+            for line in plot.lines:
+                signal = log[line.topic]
+                shown = signal.time <= (math.inf if plot.until is None else plot.until)
+                curve(panel, signal.time[shown], signal.column(line.field)[shown], line.role, line.label)
+            for one in plot.bounds:
+                for side, level in log.bounds[one.name].items():
+                    if side in one.sides:
+                        bound(panel, level, one.label or one.name, role_name=one.role, both=False)
+        finish(figure, grid)
+
+    return FigureSpec(name, (run,), draw, height)
 
 
 def bound(

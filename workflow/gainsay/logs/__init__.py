@@ -1,6 +1,20 @@
 """Logs of single runs: written once, read back bit for bit, shown by common viewers."""
 
-from gainsay.logs.layout import Bound, Columns, EventLog, Layout, Line, Plot, Rows, Scene, Tab, Text
+from gainsay.logs.layout import (
+    Bound,
+    Columns,
+    EventLog,
+    Layout,
+    Line,
+    Plot,
+    Rows,
+    Scene,
+    Tab,
+    Text,
+    about_tab,
+    default_layout,
+    lines,
+)
 from gainsay.logs.reader import Event, Extreme, Log, Signal, read_log
 from gainsay.logs.runs import Measure, Measured, RunSpec, Simulate, located, measuring
 from gainsay.logs.scene import Appendage, Body
@@ -28,6 +42,9 @@ __all__ = [
     "Simulate",
     "Tab",
     "Text",
+    "about_tab",
+    "default_layout",
+    "lines",
     "located",
     "measuring",
     "read_log",

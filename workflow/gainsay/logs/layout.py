@@ -5,7 +5,7 @@ A `Layout` is a row of tabs. A tab holds one panel, or panels in `Rows` and `Col
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TypeAlias
@@ -33,6 +33,30 @@ class Line:
         known_role(self.role)
         if not self.label:
             raise InputError(f"label of {self.topic}.{self.field}", value=self.label, expected="some text")
+
+
+def lines(topic: str, fields: Sequence[str], *, labels: Sequence[str] = (), suffix: str = "") -> tuple[Line, ...]:
+    """Fields of a topic as curves, the first in the colour of axis 1, the second of axis 2, and so on.
+
+    Parameters
+    ----------
+    topic : str
+    fields : sequence of str
+    labels : sequence of str, optional
+        What the legend says; the names of the fields unless given.
+    suffix : str, optional
+        Of the roles, such as ``_estimate`` for the estimates of the three axes.
+
+    Examples
+    --------
+    >>> from gainsay.logs import lines
+    >>> [(line.label, line.role) for line in lines("/observer/state", "xy", suffix="_estimate")]
+    [('x', 'axis_1_estimate'), ('y', 'axis_2_estimate')]
+    """
+    return tuple(
+        Line(topic, name, label, f"axis_{axis}{suffix}")
+        for axis, (name, label) in enumerate(zip(fields, labels or fields, strict=True), start=1)
+    )
 
 
 @dataclass(frozen=True)
@@ -256,6 +280,25 @@ def _panels(item: Item) -> Iterator[Panel]:
             yield from _panels(inner)
     else:
         yield item
+
+
+def about_tab(markdown: str) -> Tab:
+    """The tab that says what all runs of a paper show, beside the events of this one."""
+    return Tab("About", Columns(Text("About", markdown), EventLog()))
+
+
+def default_layout(name: str, about: str, *plots: Plot) -> Layout:
+    """Layout of runs that need no other: the plots below each other, then the tab of `about_tab`.
+
+    Parameters
+    ----------
+    name : str
+        Of the paper.
+    about : str
+        Markdown.
+    *plots : Plot
+    """
+    return Layout(name, (Tab("Response", Rows(*plots)), about_tab(about)))
 
 
 def bound_lines(plot: Plot, fields: dict[str, tuple[str, ...]]) -> list[Line]:

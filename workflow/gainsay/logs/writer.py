@@ -4,7 +4,7 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Any, Self
 
 import numpy as np
@@ -289,6 +289,30 @@ class LogWriter(Elements):
             f"{text}, beyond the limit of {limit:.6g} {unit}" if passed else text,
             level="warning" if passed else "info",
         )
+
+    def extremes(
+        self,
+        first: Mapping[str, tuple[float, float, str]],
+        second: Mapping[str, tuple[float, float, str]],
+        *,
+        limits: Mapping[str, float] = MappingProxyType({}),
+    ) -> None:
+        """Log the located extremes of a run by two methods, see `extreme`.
+
+        Parameters
+        ----------
+        first, second : mapping of str to (float, float, str)
+            By name: time (s), value and unit; of the second method the values alone are kept.
+        limits : mapping of str to float, optional
+            Limits of the moduli, by name.
+
+        Raises
+        ------
+        KeyError
+            If the second method lacks an extreme.
+        """
+        for name, (time, value, unit) in first.items():
+            self.extreme(name, time, value, unit, second=second[name][1], limit=limits.get(name))
 
     def _write_extremes(self) -> None:
         units, values = {}, []

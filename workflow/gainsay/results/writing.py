@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -25,6 +25,17 @@ from gainsay.tables.reads import apart, recording
 
 #: whether every line of a step's log is printed too (GAINSAY_VERBOSE=1), as one wants it who works on a paper
 VERBOSE = os.environ.get("GAINSAY_VERBOSE", "") not in ("", "0")
+
+
+class Attempted(Protocol):
+    """An outcome that remembers what was attempted."""
+
+    @property
+    def attempts(self) -> Sequence[Any]:
+        """One a run of a solver."""
+
+
+Outcome = TypeVar("Outcome", bound=Attempted)
 
 
 def _listed(value: object) -> object:
@@ -237,8 +248,8 @@ class Results:
         source : str, optional
             Equation or sentence behind the quantities.
         values : mapping of str to float, optional
-            Computed value of a quantity of which the certificate proves ends; without one it is the level that was
-            asked for, or the end nearest to it.
+            Computed value of a quantity of which the certificate proves ends; without one it is the middle of
+            what encloses it, or the level that was asked for.
 
         Raises
         ------
@@ -254,8 +265,9 @@ class Results:
                 ends.setdefault(conclusion.quantity, []).append(proved_ends(conclusion))
                 if conclusion.value is not None:
                     numbers.add(conclusion.quantity)
-                    if ".." not in conclusion.value:
-                        levels[conclusion.quantity] = float(Fraction(conclusion.value))
+                    low, _, high = conclusion.value.partition("..")
+                    if high or conclusion.quantity not in levels:
+                        levels[conclusion.quantity] = float((Fraction(low) + Fraction(high or low)) / 2)
         if not ends:
             raise ComputationError(certificate.id, "concludes on no quantity")
         for quantity, found in ends.items():
@@ -346,9 +358,10 @@ class Results:
         self._note_reads(scan.quantity, scan.bears_out, "borne_out")
         write_json(self._file(f"scans/{scan.quantity}.json"), scan.to_json())
 
-    def attempt(self, where: str, content: object) -> None:
-        """Keep a solver's log or a timing; not deterministic, never compared."""
-        self._attempts.append({"where": where, "content": content})
+    def attempted(self, where: str, outcome: Outcome) -> Outcome:
+        """Keep the attempts of a solver's outcome, not deterministic and never compared, and return the outcome."""
+        self._attempts.append({"where": where, "content": list(outcome.attempts)})
+        return outcome
 
     def say(self, where: str, found: str) -> None:
         """Keep a line of the step's log: paper, step, place in the paper, what was found, seconds since the last."""

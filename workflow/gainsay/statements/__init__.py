@@ -3,7 +3,7 @@
 from gainsay.statements.derivations import Step, implication
 from gainsay.statements.identities import differing, identical
 from gainsay.statements.program import Stated
-from gainsay.statements.proving import enclose, prove
+from gainsay.statements.proving import enclose, optimum, prove
 from gainsay.statements.statement import Cell, Constraint, Statement, over, read_constraint
 from gainsay.statements.unknowns import Unknown, diagonal, matrix, positive, scalar, symmetric
 
@@ -20,6 +20,7 @@ __all__ = [
     "identical",
     "implication",
     "matrix",
+    "optimum",
     "over",
     "positive",
     "prove",

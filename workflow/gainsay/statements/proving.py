@@ -14,10 +14,33 @@ from gainsay.results.ends import proved_ends
 from gainsay.statements.instability import wrong_inertia
 from gainsay.statements.program import Stated
 
-__all__ = ["above", "below", "enclose", "prove"]
+__all__ = ["above", "below", "enclose", "optimum", "prove"]
 
 # margins of multipliers that are to survive rounding, tried in turn: a narrow one loses less of the bound
 _INSIDE = (1e-9, 1e-8, 1e-7, 1e-6)
+
+
+def optimum(results: Results, stated: Stated, where: str = "", *, margins: tuple[float, ...] | None = None) -> Infimum:
+    """Infimum of a program; the attempts of the solver are kept.
+
+    Parameters
+    ----------
+    results : Results
+        Takes the attempts.
+    stated : Stated
+        With an objective.
+    where : str, optional
+        What the attempts are kept under; the label of the program unless given.
+    margins : tuple of float, optional
+        Of the multipliers: see `gainsay.lmi.infimum`.
+
+    Raises
+    ------
+    ComputationError
+        If it was not enclosed.
+    """
+    found = results.attempted(where or stated.label, stated.infimum(margins))
+    return found.need(f"{where}: {stated.label}" if where else stated.label)
 
 
 def prove(

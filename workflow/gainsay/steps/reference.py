@@ -59,14 +59,17 @@ COMPARATORS = {
 LIBRARY = {
     "Statements: an inequality once, for solver, certificate and page": (
         "gainsay.statements",
-        ("Statement", "Stated", "prove", "enclose", "identical", "differing", "implication", "Step", "symmetric",
-         "matrix", "diagonal", "positive", "scalar"),
+        ("Statement", "Stated", "prove", "enclose", "optimum", "identical", "differing", "implication", "Step",
+         "symmetric", "matrix", "diagonal", "positive", "scalar"),
     ),
     "Certificates": ("gainsay.proof.build", ("certificate", "feasible_point", "farkas", "dual_bound")),
     "Tables": ("gainsay.tables", ("Case",)),
     "Results of a step": ("gainsay.results", ("task", "Results")),
     "Designs found by a search": ("gainsay.tables.designs", ("FoundDesign",)),
     "Scans over missing inputs": ("gainsay.verdicts.scan", ("plausible", "scan")),
+    "Ready proofs of a loop": ("gainsay.systems.loop_proofs", ("poles_left_of", "poles_in_disk", "pole_right_of",
+                                                               "pole_outside_disk", "abscissa", "pole_distance",
+                                                               "norm_below")),
     "Norms": ("gainsay.systems.norms", ("hinf_norm", "hinf_enclosure", "h2_norm", "h2_enclosure",
                                         "bounded_real_certificate_matrix")),
     "Synthesis": ("gainsay.systems.synthesis", ("StandardPlant", "hinf_state_feedback", "h2_state_feedback",
@@ -82,8 +85,9 @@ LIBRARY = {
     "Simulation with delays": ("gainsay.simulation.delay", ("simulate_delay",)),
     "Runs and logs": ("gainsay.logs", ("RunSpec", "Measured", "LogWriter", "read_log")),
     "Layouts of viewers": ("gainsay.logs", ("Layout", "Tab", "Rows", "Columns", "Plot", "Line", "Bound", "EventLog",
-                                            "Text")),
-    "Figures": ("gainsay.figures", ("FigureSpec", "panels", "curves", "curve", "bound", "finish")),
+                                            "Text", "lines", "about_tab", "default_layout")),
+    "Figures": ("gainsay.figures", ("FigureSpec", "figure_of_run", "panels", "curves", "compare", "curve", "bound",
+                                    "finish")),
 }  # fmt: skip
 
 #: classes whose methods are documented in full

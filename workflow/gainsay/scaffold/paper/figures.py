@@ -1,19 +1,6 @@
 """The figures of the paper, drawn from the logs alone."""
 
-from collections.abc import Mapping
+from gainsay.figures import figure_of_run
+from papers.example.runs import PLOTS
 
-from matplotlib.figure import Figure
-
-from gainsay.figures import FigureSpec, curves, finish, panels
-from gainsay.logs import Log
-from gainsay.tables import Case
-
-
-def angle(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-    """Draw Figure 1."""
-    (panel,) = drawn = panels(figure, ["Angle [rad]"])
-    curves(panel, logs["nominal"], "/satellite/state", ("angle",))
-    finish(figure, drawn)
-
-
-FIGURES = (FigureSpec("figure_1", ("nominal",), angle),)
+FIGURES = (figure_of_run("figure_1", "nominal", PLOTS[0]),)

@@ -1,6 +1,6 @@
 """The run of Section 4, logged in full; its quantities are read from its log alone."""
 
-from gainsay.logs import Bound, EventLog, Layout, Line, Log, LogWriter, Measured, Plot, Rows, RunSpec, Tab, Text
+from gainsay.logs import Bound, Log, LogWriter, Measured, Plot, RunSpec, default_layout, lines
 from gainsay.tables import Case
 from papers.example.response import numbers, respond
 
@@ -30,18 +30,9 @@ def measure(case: Case, log: Log) -> dict[str, Measured]:
 
 RUNS = (RunSpec("nominal", simulate, measure),)
 
-#: what viewers show: a plot has lines (topic, field, label, role) and the bounds that the log holds
-LAYOUT = Layout(
-    "example",
-    (
-        Tab(
-            "Response",
-            Rows(
-                Plot("Angle [rad]", (Line("/satellite/state", "angle", "angle", "axis_1"),)),
-                Plot("Torque [N m]", (Line("/torque", "u", "u", "axis_1"),), (Bound("torque", "bound"),)),
-                EventLog(),
-            ),
-        ),
-        Tab("About", Text("About", "One axis of a satellite under the printed gain.")),
-    ),
+#: what viewers show, and the figures: curves of the log with the bounds that it holds
+PLOTS = (
+    Plot("Angle [rad]", lines("/satellite/state", ("angle",))),
+    Plot("Torque [N m]", lines("/torque", ("u",)), (Bound("torque", "bound"),)),
 )
+LAYOUT = default_layout("example", "One axis of a satellite under the printed gain.", *PLOTS)

@@ -1,0 +1,68 @@
+"""Ready proofs of a loop, on matrices whose poles and norms are known by hand."""
+
+import pytest
+
+from gainsay.errors import CertificateError, InputError
+from gainsay.proof import check
+from gainsay.proof.scope import MappingTables
+from gainsay.systems import loop_proofs
+
+CASE = MappingTables(numbers={"damping": "3"}, printed={"A": [["0", "1"], ["-2", "-3"]]})
+#: (s + 1) (s + 2); the same from a number; and an oscillator whose poles 1 +- 2j are unstable
+STABLE = {"A": "printed('A')", "same": "[[0, 1], [-2, -number('damping')]]", "wild": "[[1, 2], [-2, 1]]"}
+PARTS = {"definitions": STABLE, "id": "a", "statement": "s"}
+
+
+def concluded(certificate):
+    assert check(certificate, CASE)
+    return {(c.of, c.relation): c.value for c in certificate.conclusions}
+
+
+@pytest.mark.parametrize("matrix", ["A", "same"])
+def test_poles_left_of_a_line_are_proved_and_others_refused(matrix):
+    proved = loop_proofs.poles_left_of(CASE, matrix, "-0.9", quantities={"abscissa": "q"}, **PARTS)
+    assert concluded(proved) == {("abscissa", "less_than"): "-0.9"}
+    with pytest.raises(InputError, match="outside the half plane"):
+        loop_proofs.poles_left_of(CASE, matrix, "-1.1", **PARTS)
+
+
+def test_poles_in_a_disk_around_their_middle():
+    """The poles -1 and -2 are 1/2 from -3/2."""
+    proved = loop_proofs.poles_in_disk(CASE, "A", "3/2", "0.51", quantities={"radius": "q"}, **PARTS)
+    assert concluded(proved) == {("radius", "less_than"): "0.51"}
+    with pytest.raises(InputError, match="outside the disk"):
+        loop_proofs.poles_in_disk(CASE, "A", "3/2", "0.49", **PARTS)
+
+
+def test_a_pole_on_the_wrong_side_is_proved():
+    right = loop_proofs.pole_right_of(CASE, "wild", "0.99", quantities={"abscissa": "q"}, **PARTS)
+    assert concluded(right) == {("abscissa", "greater_than"): "0.99"}
+    far = loop_proofs.pole_outside_disk(CASE, "A", "0", "1.5", quantities={"radius": "q"}, **PARTS)
+    assert concluded(far) == {("radius", "greater_than"): "1.5"}
+    for refused in (
+        lambda: loop_proofs.pole_right_of(CASE, "wild", "1.01", **PARTS),
+        lambda: loop_proofs.pole_outside_disk(CASE, "A", "3/2", "0.51", **PARTS),
+    ):
+        with pytest.raises(CertificateError):
+            refused()
+
+
+def test_measures_of_the_spectrum_are_enclosed():
+    low, high = concluded(loop_proofs.abscissa(CASE, "wild", quantity="q", **PARTS))["abscissa", "inside"].split("..")
+    assert eval(low) <= 1 <= eval(high)
+    points = [["-1.25", "0"], ["-2", "0"]]
+    apart = concluded(loop_proofs.pole_distance(CASE, "A", points, quantity="q", **PARTS))["matching", "inside"]
+    low, high = apart.split("..")
+    assert eval(low) <= 0.25 <= eval(high)
+
+
+def test_a_norm_is_bounded_above_its_value_alone():
+    """1 + 2 / (s^2 + 3 s + 2) falls from 2 at rest to 1; without the 1 it is 1 at rest."""
+    system = {"A": "A", "B": "[[0], [1]]", "C": "[[2, 0]]"}
+    for formulas, norm in ((system, 1.0), ({**system, "D": "1"}, 2.0)):
+        proved = loop_proofs.norm_below(CASE, formulas, f"{1.001 * norm}", quantities={"norm": "q"}, **PARTS)
+        assert [c.relation for c in proved.conclusions] == ["less_than"]
+        with pytest.raises(InputError, match="at or below"):
+            loop_proofs.norm_below(CASE, formulas, f"{0.999 * norm}", **PARTS)
+    with pytest.raises(CertificateError, match="nothing"):
+        loop_proofs.value(CASE, "nothing + 1", STABLE)

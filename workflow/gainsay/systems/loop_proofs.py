@@ -1,0 +1,222 @@
+"""Ready proofs about a loop whose matrices are formulas over the tables: poles inside a region or outside, norms.
+
+The witness is computed from the doubles nearest to what the formulas say, so that no matrix is entered twice.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
+
+from gainsay.proof import Certificate, build
+from gainsay.statements.floats import Floats
+from gainsay.systems.norms import bounded_real_certificate_matrix
+from gainsay.systems.regions import Disk, HalfPlane
+
+__all__ = [
+    "abscissa",
+    "norm_below",
+    "pole_distance",
+    "pole_outside_disk",
+    "pole_right_of",
+    "poles_in_disk",
+    "poles_left_of",
+    "value",
+]
+
+Definitions = Mapping[str, str] | Iterable[tuple[str, str]]
+
+
+def value(case: Any, formula: str, definitions: Definitions) -> np.ndarray:
+    """Doubles nearest to a formula without unknowns.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    formula : str
+    definitions : mapping of str to str, or pairs
+        Names that the formula uses, in order.
+
+    Raises
+    ------
+    CertificateError
+        If it is not a formula, or names something that is not defined.
+    """
+    return Floats(case, dict(definitions), {}).constant(formula)
+
+
+def poles_left_of(case: Any, matrix: str, alpha: str, *, definitions: Definitions, **parts: Any) -> Certificate:
+    """Certify that every eigenvalue of a matrix has a real part below alpha.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    matrix, alpha : str
+        Formulas; alpha in 1/s.
+    definitions : mapping of str to str, or pairs
+        As for `value`.
+    **parts
+        id, statement, quantities (of ``abscissa``, ``stable``), faith: as for `gainsay.proof.build.certificate`.
+
+    Raises
+    ------
+    InputError
+        If an eigenvalue has not.
+    CertificateError
+        If the proof is not accepted, by a margin too small for rounded digits.
+    """
+    half_plane = HalfPlane(_number(case, alpha, definitions))
+    return build.certificate(
+        "lyapunov",
+        tables=case,
+        definitions=definitions,
+        fields={"matrix": matrix, "alpha": alpha},
+        witness={"P": half_plane.lyapunov_matrix(value(case, matrix, definitions))},
+        **parts,
+    )
+
+
+def poles_in_disk(
+    case: Any, matrix: str, centre: str, radius: str, *, definitions: Definitions, **parts: Any
+) -> Certificate:
+    """Certify that every eigenvalue s of a matrix has |s + centre| < radius.
+
+    Parameters and errors as for `poles_left_of`, centre and radius in 1/s; a quantity of ``radius``.
+    """
+    disk = Disk(_number(case, centre, definitions), _number(case, radius, definitions))
+    return build.certificate(
+        "stein",
+        tables=case,
+        definitions=definitions,
+        fields={"matrix": matrix, "shift": centre, "radius": radius},
+        witness={"P": disk.lyapunov_matrix(value(case, matrix, definitions))},
+        **parts,
+    )
+
+
+def pole_right_of(case: Any, matrix: str, alpha: str, *, definitions: Definitions, **parts: Any) -> Certificate:
+    """Certify that a matrix has an eigenvalue with a real part above alpha, where none lies on that line.
+
+    Parameters and errors as for `poles_left_of`.
+    """
+    A = value(case, matrix, definitions)
+    moved = A - _number(case, alpha, definitions) * np.eye(len(A))
+    return build.certificate(
+        "unstable",
+        tables=case,
+        definitions=definitions,
+        fields={"matrix": matrix, "alpha": alpha},
+        witness=_indefinite(solve_continuous_lyapunov(moved.T, -np.eye(len(A)))),
+        **parts,
+    )
+
+
+def pole_outside_disk(
+    case: Any, matrix: str, centre: str, radius: str, *, definitions: Definitions, **parts: Any
+) -> Certificate:
+    """Certify that a matrix has an eigenvalue s with |s + centre| > radius, where none lies on that circle.
+
+    Parameters and errors as for `poles_left_of`, centre and radius in 1/s; a quantity of ``radius``.
+    """
+    A = value(case, matrix, definitions)
+    moved = (A + _number(case, centre, definitions) * np.eye(len(A))) / _number(case, radius, definitions)
+    return build.certificate(
+        "unstable",
+        tables=case,
+        definitions=definitions,
+        fields={"matrix": matrix, "shift": centre, "radius": radius},
+        witness=_indefinite(solve_discrete_lyapunov(moved.T, np.eye(len(A)))),
+        **parts,
+    )
+
+
+def abscissa(case: Any, matrix: str, *, definitions: Definitions, quantity: str, **parts: Any) -> Certificate:
+    """Enclose the largest real part of the eigenvalues of a matrix, 1/s.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    matrix : str
+        Formula.
+    definitions : mapping of str to str, or pairs
+    quantity : str
+        What is enclosed.
+    **parts
+        id, statement, faith: as for `gainsay.proof.build.certificate`.
+
+    Raises
+    ------
+    CertificateError
+        If the eigenvalues cannot be enclosed.
+    """
+    return build.certificate(
+        "eigenvalues",
+        tables=case,
+        definitions=definitions,
+        fields={"matrix": matrix, "measure": "abscissa"},
+        quantities={"abscissa": quantity},
+        **parts,
+    )
+
+
+def pole_distance(
+    case: Any, matrix: str, points: Sequence[Sequence[str]], *, definitions: Definitions, quantity: str, **parts: Any
+) -> Certificate:
+    """Enclose the distance of the eigenvalues of a matrix from as many points, in the best matching, 1/s.
+
+    Parameters and errors as for `abscissa`; points are pairs of decimals, real and imaginary part.
+    """
+    return build.certificate(
+        "eigenvalues",
+        tables=case,
+        definitions=definitions,
+        fields={"matrix": matrix, "measure": "matching", "points": points},
+        quantities={"matching": quantity},
+        **parts,
+    )
+
+
+def norm_below(
+    case: Any, system: Mapping[str, str], gamma: str, *, definitions: Definitions, **parts: Any
+) -> Certificate:
+    """Certify that the H-infinity norm of a stable system is below gamma.
+
+    Parameters
+    ----------
+    case : gainsay.tables.Case
+    system : mapping of str to str
+        Formulas of ``A``, ``B``, ``C`` and, where it is not zero, ``D``.
+    gamma : str
+        Formula.
+    definitions : mapping of str to str, or pairs
+    **parts
+        id, statement, quantities (of ``norm``, ``stable``), faith: as for `gainsay.proof.build.certificate`.
+
+    Raises
+    ------
+    InputError
+        If the norm is not below gamma.
+    CertificateError
+        If the proof is not accepted, by a margin too small for rounded digits.
+    """
+    floats = {name: value(case, formula, definitions) for name, formula in system.items()}
+    level = _number(case, gamma, definitions)
+    return build.certificate(
+        "bounded_real",
+        tables=case,
+        definitions=definitions,
+        fields={**system, "gamma": gamma},
+        witness={"P": bounded_real_certificate_matrix(floats["A"], floats["B"], floats["C"], floats.get("D"), level)},
+        **parts,
+    )
+
+
+def _number(case: Any, formula: str, definitions: Definitions) -> float:
+    return float(value(case, formula, definitions).item())
+
+
+def _indefinite(P: np.ndarray) -> dict[str, np.ndarray]:
+    """P of Lyapunov's or Stein's equation, scaled to one, with a z of z'Pz < 0."""
+    P = (P + P.T) / (2 * np.abs(P).max())
+    return {"P": P, "z": np.linalg.eigh(P)[1][:, 0]}
