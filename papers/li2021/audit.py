@@ -14,7 +14,7 @@ from gainsay.systems import loop_proofs
 from gainsay.systems.norms import hinf_enclosure
 from gainsay.systems.regions import Disk, HalfPlane
 from gainsay.tables import Case
-from gainsay.verdicts.scan import plausible, scan
+from gainsay.verdicts.choices import over_choice
 from papers.li2021 import derivations_identities as identities
 from papers.li2021 import plant
 from papers.li2021.audit_draws import random_gains
@@ -206,19 +206,8 @@ def flexible_loop(case: Case, results: Results) -> None:
         "reduced": plant.enclosed_loop(case, "proposed")["disk_radius"]["value"],
         "full": disk.reach(plant.closed_loop(plant.flexible(k), gains)),
     }
-    found = scan(
-        case,
-        "audit.disk_over_models",
-        [plausible(case, "pole_model")],
-        lambda inputs: float(reach[inputs["pole_model"]]),
-    )
-    results.scan(found)
-    results.quantity(
-        "audit.disk_over_models",
-        float(reach[case.choice("pole_model")]),
-        source="Section V",
-        method=f"eigenvalues, {case.choice('pole_model')} model",
-    )
+    method = f"eigenvalues, {case.choice('pole_model')} model"
+    over_choice(case, results, "audit.disk_over_models", "pole_model", reach, method=method, source="Section V")
     results.say("(6) with (8)", "stable, and outside the disk that the reduced loop keeps")
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from gainsay.results import Results, task
 from gainsay.tables import Case
-from gainsay.verdicts.scan import plausible, scan
+from gainsay.verdicts.choices import over_choice
 from papers.li2021 import plant, response
 from papers.li2021.response import FlexibleLoop
 
@@ -48,13 +48,6 @@ def random_gains(case: Case, results: Results) -> None:
             method="share of the common draws with the smaller residual",
         )
         results.say(f"Figures 8 and 9, {reading}", f"proposed has the smaller residual in {better:.0%} of the draws")
-    inputs = [plausible(case, "draw_hold")]
-    over = scan(case, "draws.residual_ratio", inputs, lambda x: ratio[x["draw_hold"]])
-    results.scan(over)
-    results.quantity(
-        "draws.residual_ratio",
-        ratio[case.choice("draw_hold")],
-        source=source,
-        method="ratio of the medians, proposed over [39], gains drawn once",
-    )
+    method = "ratio of the medians, proposed over [39], gains drawn once"
+    over = over_choice(case, results, "draws.residual_ratio", "draw_hold", ratio, method=method, source=source)
     results.say(source, over.note)

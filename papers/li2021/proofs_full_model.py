@@ -12,6 +12,7 @@ from scipy.linalg import solve_continuous_lyapunov
 from gainsay.lmi import solve
 from gainsay.proof import Certificate, build
 from gainsay.results import Results, task
+from gainsay.systems import loop_proofs
 from gainsay.tables import Case
 from papers.li2021 import plant
 from papers.li2021.proofs_requirements import PRINTED
@@ -37,7 +38,7 @@ FLEXIBLE = (
 DECAY = "0.003"
 #: what is certified, N m: half of u_max
 BOUND = "1"
-STATES, CHANNELS = 21, 30
+STATES = 21
 #: multiplier that each channel uses: one for Delta J, one for Delta G and Delta D together
 OF_CHANNEL = np.array([*range(12), *[12] * 3, *[13] * 12, 14, 15, 16])
 BLOCKS = (*[["repeated", 1]] * 12, ["full", 3, 3], ["full", 12, 12], *[["repeated", 1]] * 3)
@@ -72,40 +73,9 @@ FAITH = (
 )
 
 
-def linear_fractional(case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def linear_fractional(case: Case) -> tuple[np.ndarray, ...]:
     """A (21, 21), H (21, 30), Cz (30, 21) and Dw (30, 30) of the full model, as the certificate has them."""
-    k, gains, size = plant.constants(case), plant.controller(case, "proposed"), case.number("delta_m")
-    full, factors, zero = plant.flexible(k), plant.uncertainty_factors(k), np.zeros
-    A = np.zeros((STATES, STATES))
-    A[:20, :20], A[20, 20] = plant.closed_loop(full, gains), -float(DECAY)
-    into = np.vstack([full.B, zero((7, 3))])
-    H = np.hstack(
-        [
-            np.vstack([zero((14, 6)), gains.A, zero((1, 6))]),
-            np.vstack([zero((14, 3)), gains.B, zero((1, 3))]),
-            into,
-            -into,
-            -into @ np.hstack([factors.XG, factors.XD]),
-            into,
-        ]
-    )
-    accelerate = np.hstack([zero((3, 3)), factors.XJ, zero((3, 15))])
-    most = case.number("disturbance_amplitude") * case.matrix("disturbance").sum(axis=1)
-    dmax = most * (np.array(k.inertia) + np.abs(k.envelope))
-    Cz = np.vstack(
-        [
-            size * np.hstack([zero((6, 14)), np.eye(6), zero((6, 1))]),
-            size * np.eye(3, STATES),
-            size * np.hstack([zero((3, 14)), gains.C, zero((3, 1))]),
-            accelerate @ A,
-            np.hstack([factors.GG, zero((6, 18))]),
-            np.hstack([zero((6, 3)), factors.GD, zero((6, 15))]),
-            np.hstack([zero((3, 20)), dmax[:, None]]),
-        ]
-    )
-    Dw = np.zeros((CHANNELS, CHANNELS))
-    Dw[12:15] = accelerate @ H
-    return A, H, Cz, Dw
+    return loop_proofs.values(case, ("Acl", "H", "Cz", "Dw"), (*PLANT, *FACTORS, *PRINTED, *FLEXIBLE, *CHANNELLED))
 
 
 def start(case: Case, modes: float) -> np.ndarray:
@@ -123,7 +93,7 @@ def witness(case: Case) -> tuple[np.ndarray, np.ndarray]:
         If the solver finds none.
     """
     A, H, Cz, Dw = linear_fractional(case)
-    begin = start(case, float(case.parameters["modal_start"].plausible.partition("..")[2]))
+    begin = start(case, float(case.plausible_ends("modal_start")[1]))
     drive = H / np.linalg.norm(H, axis=0)
     T = np.linalg.cholesky(
         solve_continuous_lyapunov(A, -(1e-2 * drive @ drive.T + np.outer(begin, begin) + 1e-4 * np.eye(STATES)))
@@ -150,7 +120,7 @@ def witness(case: Case) -> tuple[np.ndarray, np.ndarray]:
 
 def certificate(case: Case, P: np.ndarray, multipliers: np.ndarray) -> Certificate:
     """The torque stays below `BOUND` over the whole box: a certificate."""
-    low, _, high = case.parameters["modal_start"].plausible.partition("..")
+    low, high = case.plausible_ends("modal_start")
     begin = (
         f"col(printed('x0'), interval({low}, {high}) * [[1], [1], [1], [1]], zeros(10, 1), "
         f"exp({DECAY} * number('horizon')))"

@@ -75,6 +75,11 @@ def reconstruction(case: Case, name: str) -> Satellite:
     return Satellite((x, y, z), case.number("orbital_rate"), case.number("inertia_change"), (angle, rate, control))
 
 
+def short(K: np.ndarray) -> str:
+    """A gain for one line of a log."""
+    return "[" + ", ".join(f"{x:.4g}" for x in K.ravel()) + "]"
+
+
 def perturbed(case: Case, satellite: Satellite, group: str) -> tuple[Satellite, Satellite]:
     """Plants with uncertainty 1 and 2 of list (i) for pitch, of list (ii) for roll and yaw."""
     shares = 0.01 * case.matrix("pitch_changes" if group == "pitch" else "roll_yaw_changes")

@@ -9,7 +9,7 @@ from gainsay.systems import loop_proofs
 from gainsay.tables import Case
 from papers.pinheiro2013 import conditions_pitch as pitch
 from papers.pinheiro2013 import statements
-from papers.pinheiro2013.plant import generalized_plant, reconstruction
+from papers.pinheiro2013.plant import generalized_plant, reconstruction, short
 
 #: how far the other gain stays below the level, so that four digits of it meet the level
 _BELOW = 0.999
@@ -19,7 +19,7 @@ _ROOM = 1e-5
 
 def between(case: Case, name: str) -> str:
     """Formula of every plausible value of a number that the paper leaves out."""
-    low, _, high = case.parameters[name].plausible.partition("..")
+    low, high = case.plausible_ends(name)
     return f"interval({low}, {high})"
 
 
@@ -30,7 +30,7 @@ def without_disturbance(case: Case, results: Results) -> None:
     A row of D11 holds the share itself, two products with n^2 (pitch), or three with n and two with n^2 (roll and yaw),
     each times a ratio of moments; the rows have no column in common.
     """
-    low, _, high = case.parameters["inertia_b_x"].plausible.partition("..")
+    low, high = case.plausible_ends("inertia_b_x")
     results.prove(
         build.certificate(
             "enclosed",
@@ -125,11 +125,7 @@ def not_equivalent(case: Case, results: Results) -> None:
             statement="The other gain meets gamma = 2, pitch, B.",
         )
     )
-    results.say("(20), (21)", f"H2 norm of {_short(shared)}, which (21) gives, above that of {_short(other)}")
-
-
-def _short(K: np.ndarray) -> str:
-    return "[" + ", ".join(f"{x:.4g}" for x in K.ravel()) + "]"
+    results.say("(20), (21)", f"H2 norm of {short(shared)}, which (21) gives, above that of {short(other)}")
 
 
 TASKS = (without_disturbance, pitch_stays_stable, not_equivalent)

@@ -17,7 +17,14 @@ from papers.pinheiro2013 import conditions as mixed
 from papers.pinheiro2013 import conditions_pitch as pitch
 from papers.pinheiro2013 import statements
 from papers.pinheiro2013.conditions import AGREE
-from papers.pinheiro2013.plant import GROUPS, RECONSTRUCTIONS, GeneralizedPlant, generalized_plant, reconstruction
+from papers.pinheiro2013.plant import (
+    GROUPS,
+    RECONSTRUCTIONS,
+    GeneralizedPlant,
+    generalized_plant,
+    reconstruction,
+    short,
+)
 from papers.pinheiro2013.synthesis_sweep import pareto
 
 LEVELS = {"gamma_0.2": "gamma_min", "gamma_2": "gamma_mixed", "gamma_100": "gamma_max"}
@@ -182,11 +189,7 @@ def designs(case: Case, results: Results) -> None:
                     raise ComputationError(
                         "(22)", f"designs/{design.name}.json: K is not made of K_pitch and K_roll_yaw"
                     )
-                results.say(f"(21) {name} gamma = {gamma:g}", f"pitch K = {_short(design['K_pitch'])}")
-
-
-def _short(K: np.ndarray) -> str:
-    return "[" + ", ".join(f"{x:.4g}" for x in K.ravel()) + "]"
+                results.say(f"(21) {name} gamma = {gamma:g}", f"pitch K = {short(design['K_pitch'])}")
 
 
 def _design(

@@ -31,7 +31,7 @@ RATE_ROUNDING = 1e-5
 @task("Section 4, n")
 def mean_motion(case: Case, results: Results) -> None:
     """Enclose n from the perigee radius and e over every plausible gravitational parameter."""
-    low, high = case.parameters["gravitational_parameter"].plausible.split("..")
+    low, high = case.plausible_ends("gravitational_parameter")
     proved = build.certificate(
         "enclosed",
         id="mean-motion",

@@ -178,26 +178,20 @@ def analysis(case: Case, results: Results) -> None:
         source="(9)",
     )
     limit = craft.design_loop(K, L).quasi_polynomial.margin().delay
-    reduced = partial(reduced_theorem_1, loop=PRINTED_LOOP)
-    delay, infeasible = largest_delay(case, reduced, gamma, limit)
-    results.quantity(
-        "theorem1.delay_max",
-        delay,
-        lower=delay,
-        upper=infeasible,
-        source="(9)",
-        method="root of the least gamma; lower: checked point, upper: an enclosure of the least gamma lies above gamma",
-    )
-    structured = partial(structured_theorem_1, loop=PRINTED_LOOP)
-    delay, infeasible = largest_delay(case, structured, gamma, limit)
-    results.quantity(
-        "structured.delay_max",
-        delay,
-        lower=delay,
-        upper=infeasible,
-        source="(9), (25)",
-        method="root of the least gamma; lower: checked point, upper: an enclosure of the least gamma lies above gamma",
-    )
+    for quantity, form, source in (
+        ("theorem1.delay_max", reduced_theorem_1, "(9)"),
+        ("structured.delay_max", structured_theorem_1, "(9), (25)"),
+    ):
+        delay, infeasible = largest_delay(case, partial(form, loop=PRINTED_LOOP), gamma, limit)
+        results.quantity(
+            quantity,
+            delay,
+            lower=delay,
+            upper=infeasible,
+            source=source,
+            method="root of the least gamma; lower: checked point, upper: an enclosure of the least gamma lies above "
+            "gamma",
+        )
     results.say("(9)", f"least gamma {value:.7g}; certified at gamma = {gamma:g}")
 
 

@@ -65,4 +65,4 @@ def test_a_norm_is_bounded_above_its_value_alone():
         with pytest.raises(InputError, match="at or below"):
             loop_proofs.norm_below(CASE, formulas, f"{0.999 * norm}", **PARTS)
     with pytest.raises(CertificateError, match="nothing"):
-        loop_proofs.value(CASE, "nothing + 1", STABLE)
+        loop_proofs.values(CASE, ["nothing + 1"], STABLE)

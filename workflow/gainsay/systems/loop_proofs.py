@@ -22,28 +22,29 @@ __all__ = [
     "pole_right_of",
     "poles_in_disk",
     "poles_left_of",
-    "value",
+    "values",
 ]
 
 Definitions = Mapping[str, str] | Iterable[tuple[str, str]]
 
 
-def value(case: Any, formula: str, definitions: Definitions) -> np.ndarray:
-    """Doubles nearest to a formula without unknowns.
+def values(case: Any, formulas: Iterable[str], definitions: Definitions) -> tuple[np.ndarray, ...]:
+    """Doubles nearest to formulas without unknowns.
 
     Parameters
     ----------
     case : gainsay.tables.Case
-    formula : str
+    formulas : iterable of str
     definitions : mapping of str to str, or pairs
-        Names that the formula uses, in order.
+        Names that the formulas use, in order.
 
     Raises
     ------
     CertificateError
-        If it is not a formula, or names something that is not defined.
+        If one is no formula, or names something that is not defined.
     """
-    return Floats(case, dict(definitions), {}).constant(formula)
+    floats = Floats(case, dict(definitions), {})
+    return tuple(floats.constant(formula) for formula in formulas)
 
 
 def poles_left_of(case: Any, matrix: str, alpha: str, *, definitions: Definitions, **parts: Any) -> Certificate:
@@ -55,7 +56,7 @@ def poles_left_of(case: Any, matrix: str, alpha: str, *, definitions: Definition
     matrix, alpha : str
         Formulas; alpha in 1/s.
     definitions : mapping of str to str, or pairs
-        As for `value`.
+        As for `values`.
     **parts
         id, statement, quantities (of ``abscissa``, ``stable``), faith: as for `gainsay.proof.build.certificate`.
 
@@ -66,13 +67,13 @@ def poles_left_of(case: Any, matrix: str, alpha: str, *, definitions: Definition
     CertificateError
         If the proof is not accepted, by a margin too small for rounded digits.
     """
-    half_plane = HalfPlane(_number(case, alpha, definitions))
+    A, limit = values(case, (matrix, alpha), definitions)
     return build.certificate(
         "lyapunov",
         tables=case,
         definitions=definitions,
         fields={"matrix": matrix, "alpha": alpha},
-        witness={"P": half_plane.lyapunov_matrix(value(case, matrix, definitions))},
+        witness={"P": HalfPlane(limit.item()).lyapunov_matrix(A)},
         **parts,
     )
 
@@ -84,13 +85,13 @@ def poles_in_disk(
 
     Parameters and errors as for `poles_left_of`, centre and radius in 1/s; a quantity of ``radius``.
     """
-    disk = Disk(_number(case, centre, definitions), _number(case, radius, definitions))
+    A, a, b = values(case, (matrix, centre, radius), definitions)
     return build.certificate(
         "stein",
         tables=case,
         definitions=definitions,
         fields={"matrix": matrix, "shift": centre, "radius": radius},
-        witness={"P": disk.lyapunov_matrix(value(case, matrix, definitions))},
+        witness={"P": Disk(a.item(), b.item()).lyapunov_matrix(A)},
         **parts,
     )
 
@@ -100,8 +101,8 @@ def pole_right_of(case: Any, matrix: str, alpha: str, *, definitions: Definition
 
     Parameters and errors as for `poles_left_of`.
     """
-    A = value(case, matrix, definitions)
-    moved = A - _number(case, alpha, definitions) * np.eye(len(A))
+    A, limit = values(case, (matrix, alpha), definitions)
+    moved = A - limit.item() * np.eye(len(A))
     return build.certificate(
         "unstable",
         tables=case,
@@ -119,8 +120,8 @@ def pole_outside_disk(
 
     Parameters and errors as for `poles_left_of`, centre and radius in 1/s; a quantity of ``radius``.
     """
-    A = value(case, matrix, definitions)
-    moved = (A + _number(case, centre, definitions) * np.eye(len(A))) / _number(case, radius, definitions)
+    A, a, b = values(case, (matrix, centre, radius), definitions)
+    moved = (A + a.item() * np.eye(len(A))) / b.item()
     return build.certificate(
         "unstable",
         tables=case,
@@ -200,20 +201,16 @@ def norm_below(
     CertificateError
         If the proof is not accepted, by a margin too small for rounded digits.
     """
-    floats = {name: value(case, formula, definitions) for name, formula in system.items()}
-    level = _number(case, gamma, definitions)
+    *matrices, level = values(case, (*system.values(), gamma), definitions)
+    of = dict(zip(system, matrices, strict=True))
     return build.certificate(
         "bounded_real",
         tables=case,
         definitions=definitions,
         fields={**system, "gamma": gamma},
-        witness={"P": bounded_real_certificate_matrix(floats["A"], floats["B"], floats["C"], floats.get("D"), level)},
+        witness={"P": bounded_real_certificate_matrix(of["A"], of["B"], of["C"], of.get("D"), level.item())},
         **parts,
     )
-
-
-def _number(case: Any, formula: str, definitions: Definitions) -> float:
-    return float(value(case, formula, definitions).item())
 
 
 def _indefinite(P: np.ndarray) -> dict[str, np.ndarray]:

@@ -168,6 +168,22 @@ class Case:
         """Return the nearest doubles of a printed matrix, read-only, in the unit of its row: as printed, not SI."""
         return self.printed(name).floats
 
+    def plausible_ends(self, name: str) -> tuple[str, str]:
+        """Return the ends of the plausible range of a number that the paper leaves out, decimals in the row's unit.
+
+        Raises
+        ------
+        InputError
+            If the table gives no range.
+        """
+        row = self.parameters.get(name)
+        low, dots, high = (row.plausible if row else "").partition("..")
+        if not dots:
+            raise InputError(
+                file=f"papers/{self.name}/parameters.csv", field="plausible", value=name, expected="a range low..high"
+            )
+        return low, high
+
     def replies_to(self, claim: str) -> tuple[Reply, ...]:
         """Return what is held against the verdict on a claim, in the order of the table."""
         return tuple(reply for reply in self.replies if reply.claim == claim)
