@@ -1,186 +1,308 @@
-"""Lyapunov and Stein inequalities of an unstable matrix: refuted by a matrix of the wrong inertia.
+"""Inequalities of Lyapunov, of Stein and of a region of poles, of a matrix outside: refuted by a wrong inertia.
 
 Multipliers of ``A'P + P A < 0, P > 0`` live on the unstable invariant subspace of A, which is irrational: none near
 them is exact. The proof here is another. Let H satisfy ``A'H + H A < 0`` without being positive. If P were a solution,
 so would H + t P be for t >= 0; where it first is singular, with kernel x, ``x'(A'(H + t P) + (H + t P) A) x = 0``: a
-contradiction (of Stein's ``H - A'H A > 0``: the form at x is at most zero). H is rounded, the inequality proved for it
-and for every A within rounding. It speaks of the inequality of a matrix: sums such as a_11 + a_22 in the coefficients
-are rounded, and coefficients off by that are taken as those of A, although they alone may leave points of a condition
-number of 1e16.
+contradiction (of Stein's ``H - A'H A > 0``: the form at x is at most zero). Nothing is asked of the structure of P. H
+is rounded, the inequality proved for it and for every A within rounding. The inequality of a region, compressed by
+vectors ``u (x) x``, is Lyapunov's of another matrix, complex where u is: it is written in reals.
+
+It speaks of the inequality of a matrix: sums such as a_11 + a_22 in the coefficients are rounded, and coefficients off
+by that are taken as those of A, although they alone may leave points of a condition number of 1e16.
 
 Reference: A. Ostrowski, H. Schneider, "Some theorems on the inertia of general matrices", J. Math. Anal. Appl. 4
 (1962) 72-84.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice, pairwise, permutations
 
 import numpy as np
 from flint import fmpq_mat
 
 from gainsay.exact.definite import positive_definite, positive_semidefinite
 from gainsay.exact.rational import to_fmpq
-from gainsay.lmi.affine import Definite, Variable
+from gainsay.lmi.affine import Definite
+from gainsay.lmi.lyapunov_forms import Region, read_region, read_stein
 from gainsay.lmi.outcomes import Farkas
 from gainsay.lmi.points import is_strict
 from gainsay.lmi.program import Program, Row
 from gainsay.lmi.rounding import gamma, proved_positive
 
-_ROUNDING = 4 * 2.0**-53
+# error of an entry of A, relative to the sizes that it is summed of
+_ROUNDING = 32 * 2.0**-53
+# eigenvalue of a constant that no rounding makes negative, relative to its entries
+_NEGATIVE = 1e-9
+# block rows of a region, and orders of the blocks of P
+_MOST_ROWS, _MOST_ORDERS = 4, 24
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A principal part whose constant is not positive: ``tensor . x``, what depends on unknowns, is > or >= 0."""
+
+    row: Row
+    rows: slice
+    tensor: np.ndarray
+    strict: bool
+
+    @property
+    def size(self) -> int:
+        return self.rows.stop - self.rows.start
+
+    @property
+    def used(self) -> np.ndarray:
+        return np.asarray(self.tensor.any(axis=(0, 1)))
+
+    def multiplier(self, y: np.ndarray) -> np.ndarray:
+        """Of the whole constraint, which weighs this part by the real part of yy*."""
+        found = np.zeros((self.row.size, self.row.size))
+        found[self.rows, self.rows] = np.real(np.outer(y, y.conj()))
+        return found
+
+
+@dataclass(frozen=True)
+class _Stated:
+    """A part, and the positive ones by whose sum it falls short of an inequality in P alone.
+
+    Attributes
+    ----------
+    part : _Part
+    tensor : ndarray
+        Of the part and what is added.
+    added : tuple of (_Part, ndarray)
+        With the matrix Q: a part r of one row is added as r Q; another as it is, Q the identity.
+    """
+
+    part: _Part
+    tensor: np.ndarray
+    added: tuple[tuple[_Part, np.ndarray], ...] = ()
+
+    @property
+    def size(self) -> int:
+        return self.part.size
+
+    @property
+    def used(self) -> np.ndarray:
+        return np.asarray(self.tensor.any(axis=(0, 1)))
+
+
+@dataclass(frozen=True)
+class _Positive:
+    """A positive matrix P, linear in the unknowns: parts, each at its place in P."""
+
+    tensor: np.ndarray
+    parts: tuple[tuple[_Part, slice], ...]
+
+    @property
+    def strict(self) -> bool:
+        return all(part.strict for part, _ in self.parts)
 
 
 def refutation(program: Program) -> Farkas | None:
-    """Find P that is to be positive and a Lyapunov or Stein inequality in it whose matrix is proved unstable."""
-    matrices = [row for row in program.rows if row.is_matrix]
-    for variable, place in program.places.items():
-        if variable.kind != "symmetric":
-            continue
-        found = [(row, _keeps_positive(row, variable, place)) for row in matrices]
-        kept_positive = [(row, strict) for row, strict in found if strict is not None]
-        for row in matrices:
-            for kind, T, A, strict in (*_inequalities(row, variable, place), *_completed(row, variable, place)):
-                for positive, sure in kept_positive:
-                    if (strict or sure) and _unstable(A, kind):
-                        return _told(program, row, T, positive, A, kind)
+    """Find P that is to be positive and an inequality in it whose matrix is proved to have an eigenvalue outside."""
+    parts = [part for row in program.rows if row.is_matrix for part in _parts(row)]
+    for row in program.rows:
+        for rows in _runs(row) if row.is_matrix else ():
+            part = _part(row, rows)
+            for stated in () if part is None else _completed(part, parts):
+                for positive in _positives(stated, parts):
+                    told = _refuted(program, stated, positive)
+                    if told is not None:
+                        return told
     return None
 
 
-def _block(row: Row, rows: slice, place: slice) -> tuple[np.ndarray, np.ndarray] | None:
-    """Constant and coefficients of a principal part that depends on one unknown alone."""
-    tensor = row.tensor[rows, rows]
-    if np.count_nonzero(tensor) != np.count_nonzero(tensor[:, :, place]):
+def _refuted(program: Program, stated: _Stated, positive: _Positive) -> Farkas | None:
+    if not (stated.part.strict or positive.strict):
         return None
-    return row.constant[rows, rows], tensor[:, :, place]
+    region = read_region(-stated.tensor, positive.tensor)
+    if region is not None:
+        for value, u, v in _outside(region):
+            if _unstable(*_compressed(region, u), "Lyapunov"):
+                return _told(
+                    program, stated, np.kron(u, v), positive, value, v, "Lyapunov" if len(u) == 1 else "region"
+                )
+    if region is None and stated.size == len(positive.tensor):
+        for A, size in read_stein(stated.tensor, positive.tensor):
+            if _unstable(A, size, "Stein"):
+                eigenvalues, vectors = np.linalg.eig(A)
+                last = int(np.argmax(np.abs(eigenvalues)))
+                v = vectors[:, last]
+                return _told(program, stated, v, positive, abs(eigenvalues[last]) ** 2 - 1, v, "Stein")
+    return None
 
 
-def _parts(row: Row, size: int) -> Iterator[slice]:
-    """Principal parts of `size` rows: the block rows as named, and diagonal blocks."""
-    starts, total = [], 0
+def _completed(part: _Part, parts: Sequence[_Part]) -> Iterator[_Stated]:
+    """A part as it is, and with positive ones added that it holds with the other sign."""
+    yield _Stated(part, part.tensor)
+    tensor, added = part.tensor.copy(), []
+    for other in parts:
+        own = other.used
+        if other.row is part.row or not tensor[:, :, own].any(axis=(0, 1)).all():
+            continue
+        if other.size == 1 and own.sum() == 1:
+            slope = other.tensor[0, 0, own][0]
+            Q = -np.sign(slope) * tensor[:, :, own][:, :, 0]
+            if _sign(Q) is None:
+                continue
+            tensor[:, :, own], Q = 0.0, Q / abs(slope)
+        elif other.size == part.size and np.array_equal(tensor[:, :, own], -other.tensor[:, :, own]):
+            Q = np.eye(part.size)
+            tensor = tensor + other.tensor
+        else:
+            continue
+        added.append((other, Q))
+    if added and tensor.any():
+        yield _Stated(part, tensor, tuple(added))
+
+
+def _parts(row: Row) -> list[_Part]:
+    """The whole of a matrix inequality and its block rows, where their constants are not positive."""
+    places = {(0, row.size)} | {(start, start + length) for start, length in _blocks(row)}
+    found = [_part(row, slice(*place)) for place in sorted(places)]
+    return [part for part in found if part is not None]
+
+
+def _blocks(row: Row) -> list[tuple[int, int]]:
+    """Start and length of the block rows as named, and of diagonal blocks."""
+    found, total = [], 0
     for _, length in row.constraint.rows if isinstance(row.constraint, Definite) else ():
-        if length == size:
-            starts.append(total)
+        found.append((total, length))
         total += length
     linked = np.abs(row.constant) + np.abs(row.tensor).sum(axis=2)
-    for start in range(row.size - size + 1):
-        if not linked[:start, start:].any() and start not in starts:
-            starts.append(start)
-    for start in starts:
-        yield slice(start, start + size)
+    cuts = [i for i in range(row.size + 1) if not linked[:i, i:].any()]
+    return found + [(a, b - a) for a, b in pairwise(cuts)]
+
+
+def _runs(row: Row) -> Iterator[slice]:
+    """Principal parts that may be an inequality: runs of equal block rows, and diagonal blocks cut into equal rows."""
+    seen = set()
+    for start, length in _blocks(row):
+        for count in range(1, _MOST_ROWS + 1):
+            place = (start, start + count * length)
+            if place[1] <= row.size and place not in seen:
+                seen.add(place)
+                yield slice(*place)
+
+
+def _part(row: Row, rows: slice) -> _Part | None:
+    """A principal part with unknowns; None where its constant is not known to be at most zero."""
+    tensor = row.tensor[rows, rows]
+    sign = _sign(-row.constant[rows, rows]) if tensor.any() else None
+    return None if sign is None else _Part(row, rows, tensor, sign or is_strict(row.constraint))
 
 
 def _sign(constant: np.ndarray) -> bool | None:
     """True for a constant that is proved > 0, False for >= 0, None else."""
+    if not constant.any():
+        return False
+    if np.linalg.eigvalsh(constant)[0] < -_NEGATIVE * np.abs(constant).max():
+        return None
     exact = fmpq_mat([[to_fmpq(float(v)) for v in line] for line in constant])
     if positive_definite(exact):
         return True
     return False if positive_semidefinite(exact) else None
 
 
-def _keeps_positive(row: Row, variable: Variable, place: slice) -> bool | None:
-    """Whether a constraint says P > 0 (True) or P >= 0 (False)."""
-    found = None
-    for rows in _parts(row, variable.shape[0]):
-        part = _block(row, rows, place)
-        if part is not None and np.array_equal(part[1], variable.terms[variable]):
-            sign = _sign(-part[0])
-            if sign is not None:
-                found = bool(found) or sign or is_strict(row.constraint)
-    return found
-
-
-def _inequalities(row: Row, variable: Variable, place: slice) -> Iterator[tuple[str, np.ndarray, np.ndarray, bool]]:
-    """Principal parts that are -(A'P + P A) - Q or P - A'P A - Q, Q >= 0: kind, rows as a matrix, A, whether strict."""
-    n = variable.shape[0]
-    diagonal = [k for k, (i, j) in enumerate(variable.index) if i == j]
-    for rows in _parts(row, n):
-        part = _block(row, rows, place)
-        if part is None or not part[1].any():
+def _positives(stated: _Stated, parts: Sequence[_Part]) -> Iterator[_Positive]:
+    """Positive matrices of whose unknowns alone a part is made: one part, alone or repeated, diagonal blocks, a sum."""
+    used = stated.used
+    inside = []
+    for part in parts:
+        if part.row is stated.part.row and part.rows == stated.part.rows:
             continue
-        constant, tensor = part
-        for kind, read in (("Lyapunov", _read_lyapunov), ("Stein", _read_stein)):
-            A = read(tensor, diagonal, n)
-            if A is not None and _is(kind, tensor, A, variable):
-                sign = _sign(-constant)
-                if sign is not None:
-                    yield kind, np.eye(row.size)[:, rows], A, sign or is_strict(row.constraint)
+        if not (used & ~part.used).any() and _fits(stated, part.size):
+            yield _Positive(part.tensor, ((part, slice(0, part.size)),))
+            if part.size < stated.size:
+                yield from _repeated(part, stated.size // part.size)
+        elif not (part.used & ~used).any():
+            inside.append(part)
+    apart: list[_Part] = []
+    for part in sorted(inside, key=lambda p: np.count_nonzero(p.tensor)):  # P itself has fewer than what holds it
+        if not any((part.used & other.used).any() for other in apart):
+            apart.append(part)
+    if len(apart) < 2 or not np.array_equal(np.any([p.used for p in apart], axis=0), used):
+        return
+    apart.sort(key=inside.index)
+    if len({part.size for part in apart}) == 1 and _fits(stated, apart[0].size):
+        whole = slice(0, apart[0].size)
+        yield _Positive(
+            sum((p.tensor for p in apart), np.zeros_like(apart[0].tensor)), tuple((p, whole) for p in apart)
+        )
+    size = sum(part.size for part in apart)
+    if _fits(stated, size):
+        for order in islice(permutations(apart), _MOST_ORDERS):
+            yield _diagonal(order, size)
 
 
-def _completed(row: Row, variable: Variable, place: slice) -> Iterator[tuple[str, np.ndarray, np.ndarray, bool]]:
-    """Principal parts [[P, A'P], [., P]] or [[P, P A], [., P]]: a congruence T makes them P - A'P A."""
-    n = variable.shape[0]
-    diagonal = [k for k, (i, j) in enumerate(variable.index) if i == j]
-    basis = variable.terms[variable]
-    for start in range(row.size - 2 * n + 1):
-        first, last = slice(start, start + n), slice(start + n, start + 2 * n)
-        part = _block(row, slice(start, start + 2 * n), place)
-        if part is None or part[0].any():
-            continue
-        tensor = part[1]
-        if not (np.array_equal(tensor[:n, :n], basis) and np.array_equal(tensor[n:, n:], basis)):
-            continue
-        corner, eye = tensor[:n, n:], np.eye(row.size)
-        before = np.array([corner[:, j, diagonal[j]] for j in range(n)])  # A, of a corner A'P
-        if np.array_equal(corner, np.einsum("ji,jlk->ilk", before, basis)):
-            yield "Stein", eye[:, first] - eye[:, last] @ before, before, is_strict(row.constraint)
-        behind = np.array([corner[i, :, diagonal[i]] for i in range(n)])  # A, of a corner P A
-        if np.array_equal(corner, np.einsum("ilk,lj->ijk", basis, behind)):
-            yield "Stein", eye[:, last] - eye[:, first] @ behind, behind, is_strict(row.constraint)
+def _fits(stated: _Stated, size: int) -> bool:
+    """Whether a part may be a region's inequality in a P of so many rows."""
+    return stated.size % size == 0 and stated.size <= _MOST_ROWS * size
 
 
-def _read_lyapunov(tensor: np.ndarray, diagonal: list[int], n: int) -> np.ndarray:
-    A = np.array([-tensor[k, :, diagonal[k]] for k in range(n)])
-    A[range(n), range(n)] /= 2
-    return A
+def _repeated(part: _Part, times: int) -> Iterator[_Positive]:
+    """I (x) P and P (x) I."""
+    n = part.size
+    blocks = [slice(k * n, (k + 1) * n) for k in range(times)]
+    entries = [slice(k, times * n, times) for k in range(times)]
+    for places in (blocks, entries):
+        tensor = np.zeros((times * n, times * n, part.tensor.shape[2]))
+        for place in places:
+            tensor[place, place] = part.tensor
+        yield _Positive(tensor, tuple((part, place) for place in places))
 
 
-def _read_stein(tensor: np.ndarray, diagonal: list[int], n: int) -> np.ndarray | None:
-    A = np.zeros((n, n))
-    for k in range(n):
-        outer = -tensor[:, :, diagonal[k]].copy()
-        outer[k, k] += 1
-        lead = int(np.argmax(np.diagonal(outer)))
-        if outer[lead, lead] > 0:
-            A[k] = outer[lead] / np.sqrt(outer[lead, lead])
-    # each row is known up to its sign: those of the other products fix them
-    place = {(i, j): j * (j + 1) // 2 + i for j in range(n) for i in range(j + 1)}
-    for k in range(1, n):
-        for earlier in range(k):
-            cross = -tensor[:, :, place[earlier, k]].copy()
-            cross[earlier, k] += 1
-            cross[k, earlier] += 1
-            own = np.outer(A[earlier], A[k])
-            own = own + own.T
-            if own.any():
-                if (own * cross).sum() < 0:
-                    A[k] = -A[k]
-                break
-    return A
+def _diagonal(parts: Sequence[_Part], size: int) -> _Positive:
+    tensor = np.zeros((size, size, parts[0].tensor.shape[2]))
+    placed, total = [], 0
+    for part in parts:
+        place = slice(total, total + part.size)
+        tensor[place, place] = part.tensor
+        placed.append((part, place))
+        total = place.stop
+    return _Positive(tensor, tuple(placed))
 
 
-def _is(kind: str, tensor: np.ndarray, A: np.ndarray, variable: Variable) -> bool:
-    """Whether coefficients are those of the inequality of A to the rounding of sums of two products."""
-    n = len(A)
-    for k, (i, j) in enumerate(variable.index):
-        basis = np.zeros((n, n))
-        basis[i, j] = basis[j, i] = 1.0
-        left, right = A.T @ basis, basis @ A
-        made = -(left + right) if kind == "Lyapunov" else basis - left @ A
-        size = np.abs(left) + np.abs(right) if kind == "Lyapunov" else basis + np.abs(left) @ np.abs(A)
-        if (np.abs(tensor[:, :, k] - made) > (1 if kind == "Lyapunov" else 4) * _ROUNDING * size).any():
-            return False
-    return True
+def _outside(region: Region) -> Iterator[tuple[float, np.ndarray, np.ndarray]]:
+    """Eigenvalues of A outside a region, the furthest first: u'f(s)u > 0, u, and the eigenvector."""
+    try:
+        eigenvalues, vectors = np.linalg.eig(region.A)
+    except np.linalg.LinAlgError:
+        return
+    found = []
+    for s, v in zip(eigenvalues, vectors.T, strict=True):
+        values, us = np.linalg.eigh(region.at(s))
+        size = np.abs(region.L).max() + 2 * abs(s) * np.abs(region.M).max()
+        if values[-1] > 0:
+            found.append((values[-1] / size, float(values[-1]), us[:, -1], v))
+    for _, value, u, v in sorted(found, key=lambda one: -one[0])[:2]:
+        yield value, u, v
 
 
-def _unstable(A: np.ndarray, kind: str) -> bool:
-    """Prove by a matrix of the wrong inertia that A, and every matrix within rounding of it, is unstable."""
+def _compressed(region: Region, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The matrix C whose Lyapunov inequality is what a region says at vectors u (x) x, in reals, and its sizes."""
+    eye = np.eye(len(region.A))
+    C = np.real(u.conj() @ region.L @ u) / 2 * eye + (u.conj() @ region.M @ u) * region.A
+    large = np.abs(u)
+    size = (large @ np.abs(region.L) @ large) / 2 * eye + (large @ np.abs(region.M) @ large) * region.size
+    if not np.iscomplex(C).any():
+        return np.real(C), size
+    return np.block([[C.real, -C.imag], [C.imag, C.real]]), np.block([[size, size], [size, size]])
+
+
+def _unstable(A: np.ndarray, size: np.ndarray, kind: str) -> bool:
+    """Prove by a matrix of the wrong inertia that every matrix within rounding of `size` around A is unstable."""
     for H in candidates(A, kind):
-        size = np.abs(A).T @ np.abs(H)
+        large = size.T @ np.abs(H)
         if kind == "Lyapunov":
             value = -(A.T @ H + H @ A)
-            error = size + size.T
+            error = large + large.T
         else:
             value = H - A.T @ H @ A
-            error = size @ np.abs(A) + np.abs(H)
-        error = (gamma(2 * len(A) + 4) + 8 * _ROUNDING) * (error + error.T)
+            error = large @ size + np.abs(H)
+        error = (gamma(2 * len(A) + 4) + 2 * _ROUNDING) * (error + error.T)
         values, vectors = np.linalg.eigh(H)
         if not values[0] < 0 or not proved_positive((value + value.T) / 2, error):
             continue
@@ -221,20 +343,19 @@ def candidates(A: np.ndarray, kind: str) -> Iterator[np.ndarray]:
             yield (H + H.T) / 2
 
 
-def _told(program: Program, row: Row, T: np.ndarray, positive: Row, A: np.ndarray, kind: str) -> Farkas:
-    """The refutation, with floats near its multipliers from the rightmost (outermost) eigenvector."""
-    eigenvalues, vectors = np.linalg.eig(A)
-    last = int(np.argmax(eigenvalues.real if kind == "Lyapunov" else np.abs(eigenvalues)))
-    v, eigenvalue = vectors[:, last], eigenvalues[last]
-    first = np.real(np.outer(v, v.conj()))
-    weight = 2 * eigenvalue.real if kind == "Lyapunov" else abs(eigenvalue) ** 2 - 1
-    n = len(A)
+def _told(
+    program: Program, stated: _Stated, y: np.ndarray, positive: _Positive, weight: float, v: np.ndarray, kind: str
+) -> Farkas:
+    """The refutation, with floats near its multipliers from an eigenvector v outside."""
     multipliers = {r.constraint.label: np.zeros((r.size, r.size) if r.is_matrix else r.size) for r in program.rows}
-    multipliers[row.constraint.label] += T @ first @ T.T
-    for part in _parts(positive, n):
-        multipliers[positive.constraint.label][part, part] += weight * first
-        break
+    weighed = [(stated.part, y)]
+    weighed += [(part, np.sqrt([np.real(y.conj() @ Q @ y)]) if part.size == 1 else y) for part, Q in stated.added]
+    weighed += [(part, np.sqrt(weight) * v[place]) for part, place in positive.parts]
+    for part, vector in weighed:
+        multipliers[part.row.constraint.label] += part.multiplier(vector)
     total = sum(float(np.trace(m)) for m in multipliers.values() if m.ndim == 2)
-    label = row.constraint.label
-    reason = f"{kind} inequality {label!r} of an unstable matrix (its sums rounded), by a matrix of the wrong inertia"
+    what = {"Lyapunov": "Lyapunov inequality", "Stein": "Stein inequality", "region": "inequality of a region"}[kind]
+    where = "with an eigenvalue outside" if kind == "region" else "that is unstable"
+    label = stated.part.row.constraint.label
+    reason = f"{what} {label!r} of a matrix {where} (its sums rounded), by a matrix of the wrong inertia"
     return Farkas({name: m / total for name, m in multipliers.items()}, 0.0, float("nan"), reason)

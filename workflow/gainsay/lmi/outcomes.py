@@ -86,8 +86,8 @@ class Solved:
 class Infeasible(_NotFound):
     """No point, proved: by multipliers that exist exactly, or by what `reason` in `farkas` says.
 
-    All coefficients are taken as exact numbers, but for Lyapunov and Stein inequalities of one matrix, whose rounded
-    sums are taken as what they round (the reason says so).
+    All coefficients are taken as exact numbers, but for inequalities of Lyapunov, of Stein and of a region, in any P,
+    of one matrix, whose rounded sums are taken as what they round (the reason says so).
     """
 
     farkas: Farkas

@@ -83,7 +83,7 @@ def decide(
     for setting in backends.SETTINGS:
         best = runs(program, first, setting, rounds, attempts, settle)
         if best is not None:
-            return best, program
+            return _beyond_rounding(program, best), program
         if setting != "clarabel":
             continue
         proof = _contradiction(program) or instability.refutation(program)
@@ -100,7 +100,7 @@ def decide(
                 return Infeasible(proof, tuple(attempts)), program
             point = None if found.x is None else closer(program, first, found.x * first.unknowns, attempts)
             if point is not None:
-                return point, program
+                return _beyond_rounding(program, point), program
             on_face = _on_face(program, first, found, rounds, faces, attempts)
             if on_face is not None:
                 return on_face
@@ -114,6 +114,12 @@ def decide(
     # with less room than the margin asked for
     point = None if inside is None else closer(program, first, inside, attempts)
     return (point, program) if point is not None else (Undecided(program.label, tuple(attempts)), program)
+
+
+def _beyond_rounding(program: Program, found: Solved | Infeasible) -> Solved | Infeasible:
+    """The outcome; a point that holds by less than rounding is none of an unstable matrix whose sums were rounded."""
+    proof = instability.refutation(program) if isinstance(found, Solved) and not found.check.holds else None
+    return found if proof is None else Infeasible(proof, found.attempts)
 
 
 def _refutation(program: Program, scale: scaling.Scaling, found: duality.Level, attempts: list) -> Farkas | None:
