@@ -1,5 +1,6 @@
 """What a run is told: settings that there are none of are refused, as are papers."""
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -55,6 +56,21 @@ def test_a_target_that_is_none_is_refused_in_one_line(root):
     code, text = planned(root, "toy201")
     assert code == 2
     assert "bad input: unknown target 'toy201': expected 'toy2001'? It is one of toy2001, campaigns" in text
+
+
+@pytest.mark.slow
+def test_bad_tables_of_a_paper_that_is_worked_on_are_refused_once(root):
+    assert main(["--root", str(root), "new", "second"]) == 0
+    table = root / "papers/second/parameters.csv"
+    table.write_text(table.read_text().replace("2.00", "2..00"))
+    for target in ((), ("second",), ("second_audit",)):
+        code, text = planned(root, *target)
+        said = [line for line in text.splitlines() if "bad input" in line]
+        assert said == ["bad input: papers/second/parameters.csv:2: value '2..00': expected a decimal number such as "
+                        "-8.8129e-4"]  # fmt: skip
+        assert code == 2
+    assert planned(root, "toy2001")[0] == 0  # what is not worked on is not looked at
+    shutil.rmtree(root / "papers/second")
 
 
 @pytest.mark.slow

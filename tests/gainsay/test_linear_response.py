@@ -20,6 +20,19 @@ def test_peaks_of_an_oscillator_have_their_closed_form(damping, w, steps):
     assert peak.time == pytest.approx(np.arccos(damping) / (v * w), rel=1e-6)
 
 
+@given(st.floats(0.05, 0.7), st.floats(0.2, 3.0), st.integers(40, 400))
+@settings(max_examples=30, deadline=None)
+def test_the_largest_value_of_either_sign_has_its_closed_form(damping, w, steps):
+    A = np.array([[0, 1], [-(w**2), -2 * damping * w]])
+    response, x = Response(A, np.array([1.0, 0.0]), 20 / w, steps), np.array([1.0, 0.0])
+    # from rest at 1 it swings to -e^(-pi d/sqrt(1 - d^2)) on the other side, half a period later
+    v = np.sqrt(1 - damping**2)
+    assert response.largest(x) == response.peak(x)
+    assert response.largest(x).value == 1
+    assert response.largest(-x).value == pytest.approx(np.exp(-np.pi * damping / v), rel=1e-10)
+    assert response.largest(-x).time == pytest.approx(np.pi / (v * w), rel=1e-6)
+
+
 @given(st.floats(0.05, 0.9), st.floats(0.2, 3.0), st.integers(40, 400))
 @settings(max_examples=30, deadline=None)
 def test_rise_times_have_their_closed_form(damping, w, steps):

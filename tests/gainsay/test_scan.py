@@ -10,7 +10,7 @@ from gainsay.errors import ComputationError, InputError
 from gainsay.tables.models import Claim
 from gainsay.verdicts.outcome import outcome
 from gainsay.verdicts.plausible import readings
-from gainsay.verdicts.scan import Plausible, corners, fractions, sample, scan
+from gainsay.verdicts.scan import Plausible, corners, fractions, sample, scan, scans
 
 X = Plausible("x", "m", 0.0, 10.0)
 Y = Plausible("y", "1", 0.01, 100.0, logarithmic=True)
@@ -210,3 +210,20 @@ def test_samples_that_are_the_same_are_counted_once():
     found = scanned(lambda p: p["x"], inputs=(X, WORD)).to_json()
     found["points"][1], found["values"][1] = found["points"][0], found["values"][0]
     assert outcome(claim("at_most", "2"), found).evidence == "sampled 260 (distinct 259)"
+
+
+def test_quantities_of_one_computation_are_scanned_as_one_by_one_and_computed_once():
+    seen = []
+
+    def both(point):
+        seen.append(point)
+        return {"value": point["x"] * point["y"], "other": point["x"]}
+
+    case = SimpleNamespace(claims={"claim": claim("at_most", "3")})
+    alone = scan(case, "value", [X, Y], lambda p: p["x"] * p["y"])
+    together = {found.quantity: found for found in scans(case, ["value", "other"], [X, Y], both)}
+    assert together["value"] == alone
+    assert [value for value, _ in together["other"].found] == [point["x"] for _, point in alone.found]
+    assert len(seen) == len({tuple(point.items()) for point in seen})
+    with pytest.raises(ComputationError, match="quantity of a scan 'valu': expected 'value'"):
+        list(scans(case, ["valu"], [X, Y], both))

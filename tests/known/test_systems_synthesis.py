@@ -11,6 +11,7 @@ from gainsay.systems.synthesis import (
     StandardPlant,
     h2_output_feedback,
     h2_state_feedback,
+    hinf_least_level,
     hinf_output_feedback,
     hinf_state_feedback,
 )
@@ -102,3 +103,40 @@ def test_plants_without_an_answer_are_refused():
     for design in (hinf_state_feedback, hinf_output_feedback, h2_state_feedback, h2_output_feedback):
         with pytest.raises((InputError, ComputationError)):
             design(fixed)
+
+
+@pytest.mark.parametrize("a", [-2.0, 0.0, 1.5])
+def test_the_least_level_of_one_state(a):
+    """X = Y solve 2 a X + 1 = (1 - 1/g^2) X^2; X^2 = g^2 gives (1 - 1/g^2) g^2 - 2 a g = 1: g = a + sqrt(a^2 + 2)."""
+    low, high = hinf_least_level(scalar(a))
+    assert low < a + math.sqrt(a**2 + 2) <= high * (1 + 1e-9)
+    assert high - low <= 1e-10 * high
+
+
+def test_the_least_level_lies_between_what_none_and_what_one_reaches():
+    """Another method: linear matrix inequalities, with a proved lower end and a controller whose norm is proved."""
+    plant = drawn(5, 3)
+    found, (low, high) = hinf_output_feedback(plant), hinf_least_level(plant)
+    assert found.least <= high * (1 + 1e-9)
+    assert low <= found.norm.upper <= high * 1.2
+
+
+@pytest.mark.parametrize(
+    ("plant", "said"),
+    [
+        (StandardPlant([[0.0]], [[1, 0]], [[1]], [[1], [0]], [[1]], D12=[[0], [0]], D21=[[0, 1]]), "D12"),
+        (StandardPlant([[0.0]], [[1, 0]], [[1]], [[1], [0]], [[1]], D12=[[0], [1]]), "D21"),
+        (StandardPlant([[0.0]], [[1]], [[1]], [[1], [0]], [[1]], [[1], [0]], [[0], [1]], [[1]]), "D11"),
+    ],
+)
+def test_a_plant_outside_the_two_equations_is_refused(plant, said):
+    with pytest.raises(InputError, match=said):
+        hinf_least_level(plant)
+
+
+def test_no_level_is_reached_where_the_plant_cannot_be_stabilised():
+    plant = StandardPlant(
+        np.diag([1.0, -1.0]), [[1, 0], [0, 0]], [[0], [1]], [[1, 0], [0, 0]], [[1, 1]], D12=[[0], [1]], D21=[[0, 1]]
+    )
+    with pytest.raises(ComputationError, match="no controller reaches"):
+        hinf_least_level(plant)

@@ -15,6 +15,7 @@ from gainsay.logs.layout import (
     default_layout,
     lines,
 )
+from gainsay.logs.linear import linear_run
 from gainsay.logs.reader import Event, Extreme, Log, Signal, read_log
 from gainsay.logs.runs import Measure, Measured, RunSpec, Simulate, located, measuring
 from gainsay.logs.scene import Appendage, Body
@@ -44,6 +45,7 @@ __all__ = [
     "Text",
     "about_tab",
     "default_layout",
+    "linear_run",
     "lines",
     "located",
     "measuring",

@@ -15,7 +15,7 @@ from gainsay.proof import checker
 from gainsay.proof.certificate import ON_FAITH, Certificate, Conclusion
 from gainsay.proof.completion import cancelling, has_floats, listed, on_equations, rounded, texts
 
-__all__ = ["DIGITS", "accepted", "certificate", "dual_bound", "farkas", "feasible_point", "finish", "frame"]
+__all__ = ["DIGITS", "accepted", "certificate", "dual_bound", "farkas", "feasible_point", "finish", "frame", "id_of"]
 
 DIGITS = (6, 9, 12, 15, 17)
 _accepted: set[tuple[str, str]] = set()
@@ -75,11 +75,16 @@ def accepted(certificate: Certificate) -> bool:
     return (certificate.paper, certificate.to_json()) in _accepted
 
 
+def id_of(quantity: str) -> str:
+    """Id of a certificate that has none of its own: that of its quantity, with dashes."""
+    return quantity.replace(".", "-").replace("_", "-")
+
+
 def certificate(
     kind: str,
     *,
-    id: str,
     statement: str,
+    id: str = "",
     tables: Any,
     fields: Mapping[str, Any],
     definitions: Iterable[tuple[str, str]] | Mapping[str, str] = (),
@@ -96,8 +101,10 @@ def certificate(
     ----------
     kind : str
         Module of `gainsay.proof.kinds`.
-    id, statement, definitions, unknowns, fields, faith, precision
+    statement, definitions, unknowns, fields, faith, precision
         As in the certificate; definitions as pairs or a mapping in order.
+    id : str, optional
+        By default that of the first of `quantities`, with dashes.
     tables : gainsay.tables.Case or any `gainsay.proof.scope.Tables`
         Their name is the paper's.
     witness : mapping of str to array_like
@@ -111,6 +118,9 @@ def certificate(
     CertificateError
         If it is refused with every number of digits; the last refusal.
     """
+    id = id or id_of(next(iter((quantities or {}).values()), ""))
+    if not id:
+        raise CertificateError(f"a certificate of kind {kind} without a quantity needs an id")
     structures = {name: raw.get("structure", "full") for name, raw in (unknowns or {}).items()}
     for name in witness or {}:
         stem = name.rstrip("0123456789")

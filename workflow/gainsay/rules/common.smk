@@ -14,6 +14,7 @@ from gainsay.errors import InputError, one_of
 from gainsay.steps.closure import sources, table_digest
 from gainsay.steps.holding import hold_results
 from gainsay.steps.resume import forget_damaged
+from gainsay.tables import read_case
 from gainsay.tables.folder import checked_name, paper_names
 
 
@@ -83,13 +84,26 @@ shell.prefix(f"set -euo pipefail; export {ENVIRONMENT}; ")
 
 
 def tables(paper):
-    """What a computing step reads of a paper's folder, but for the columns that `table_digest` covers."""
+    """What a computing step reads of a paper's folder, but for the columns that `table_digest` covers.
+
+    As a function of the wildcards, which Snakemake calls for a paper that it works on: bad tables are refused then,
+    once, before anything is computed, and those of other papers are not looked at.
+    """
     folder = Path("papers", paper)
-    return [f"papers/{paper}/parameters.csv", f"papers/{paper}/paper.toml"] + sorted(
+    found = [f"papers/{paper}/parameters.csv", f"papers/{paper}/paper.toml"] + sorted(
         str(path)
         for kind in ("printed/*.csv", "designs/*.json")
         for path in folder.glob(kind)
     )
+
+    def well_formed(wildcards):
+        try:
+            read_case(ROOT, paper)
+        except InputError as error:
+            refuse(error)
+        return found
+
+    return well_formed
 
 
 def present(paper, *tables):

@@ -31,6 +31,19 @@ rule unknown:
         "false"
 
 
+# Snakemake is silent itself, and the first step speaks when it has ended.
+onstart:
+    steps = [
+        job.rule.name for job in workflow.dag.needrun_jobs() if not job.is_norun
+    ]
+    first = next((rule.name for rule in workflow.rules if rule.name in steps), "")
+    print(
+        f"{len(steps)} steps to run, {first} first; each says in a line what it found when it ends,"
+        " on a first run within a minute"
+    )
+    sys.stdout.flush()
+
+
 WANTED = (
     ["results/.checked"]
     if PAPERS == ALL

@@ -118,7 +118,8 @@ for paper in ALL:
             f"{paper}_page"
         input:
             results=[listing(paper, "verdicts"), listing(paper, "compare")],
-            tables=tables(paper) + sorted(map(str, Path("papers", paper).glob("*.csv"))),
+            tables=tables(paper),
+            csv=sorted(map(str, Path("papers", paper).glob("*.csv"))),
             code=sources(ROOT, "page", paper),
             lock=sorted(map(str, Path().glob("requirements.lock"))),
             templates=TEMPLATES,

@@ -4,8 +4,9 @@ Constant and sinusoidal inputs are states of the system (`with_harmonics`), so t
 integrator is needed: a state is a matrix exponential times the start.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.linalg import expm
@@ -20,7 +21,7 @@ _ITERATIONS, _CLOSE = 60, 1e-7
 
 @dataclass(frozen=True)
 class Peak:
-    """Largest modulus of an output: when, and the signed value."""
+    """Largest value of an output, or of its modulus: when, and the signed value."""
 
     time: float
     value: float
@@ -100,10 +101,17 @@ class Response:
         -------
         Peak
         """
-        output, above = self._row(output), real_number(above, "above")
+        return self._farthest(self._row(output), np.abs, real_number(above, "above"))
+
+    def largest(self, output: np.ndarray) -> Peak:
+        """Locate the largest value of a linear output c x over continuous time; that of -c is the least."""
+        return self._farthest(self._row(output), np.positive, -np.inf)
+
+    def _farthest(self, output: np.ndarray, size: Callable[[Any], Any], above: float) -> Peak:
+        """Locate where the size of an output, its modulus or itself, is largest; sizes up to `above` do not matter."""
         slope_of = output @ self.A
         values, slopes = self.states @ output, self.states @ slope_of
-        sizes = np.abs(values)
+        sizes = size(values)
         best = int(sizes.argmax())
         found = Peak(float(self.time[best]), float(values[best]))
         turns = np.flatnonzero(slopes[:-1] * slopes[1:] < 0)
@@ -113,11 +121,11 @@ class Response:
         step = self.end / (len(self.time) - 1)
         most = np.maximum(sizes[turns], sizes[turns + 1])
         most += step * np.abs(slopes[np.array([turns, turns + 1])]).max(axis=0)
-        worth = np.flatnonzero(most > max(abs(found.value), above))
+        worth = np.flatnonzero(most > max(float(sizes[best]), above))
         rows = np.array([output, slope_of, slope_of @ self.A])
         for i in turns[worth[np.argsort(-most[worth])]]:
             after, value = self._turn(rows, int(i), step, slopes[i], slopes[i + 1])
-            if abs(value) > abs(found.value):
+            if size(value) > size(found.value):
                 found = Peak(float(self.time[i] + after), value)
         return found
 

@@ -121,7 +121,7 @@ def _made(
 ) -> Certificate:
     return build.certificate(
         kind,
-        id=id or quantity.replace(".", "-").replace("_", "-"),
+        id=id,
         tables=case,
         statement=sentence,
         definitions=definitions,

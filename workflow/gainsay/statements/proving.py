@@ -84,7 +84,7 @@ def prove(
     """
     parts = {
         **stated.parts(),
-        "id": id or _slug(quantity),
+        "id": id or build.id_of(quantity),
         "quantities": {"feasible": quantity},
         "faith": faith,
         "digits": digits,
@@ -221,7 +221,7 @@ def enclose(
     """
     if not isinstance(found, Infimum):
         raise ComputationError(stated.label, f"{type(found).__name__} where an infimum is needed", found.attempts)
-    name = id or _slug(quantity)
+    name = id or build.id_of(quantity)
     more: dict[str, Any] = {"sentence": sentence, "faith": faith, "digits": digits}
     top = above(results.case, quantity, stated, found.solved.values, id=f"{name}-above", **more)
     made, reason = [top], ""
@@ -243,10 +243,6 @@ def enclose(
         upper=upper,
     )
     return lower, upper
-
-
-def _slug(quantity: str) -> str:
-    return quantity.replace(".", "-").replace("_", "-")
 
 
 def _point(stated: Stated, values: Mapping[str, Any]) -> dict[str, Any]:

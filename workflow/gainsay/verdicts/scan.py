@@ -12,16 +12,17 @@ H. Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM, 1
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import takewhile
 from typing import Any
 
-from gainsay.errors import ComputationError, InputError
+from gainsay.errors import ComputationError, InputError, one_of
 from gainsay.verdicts.criterion import NUMERIC, criteria
 from gainsay.verdicts.plausible import Plausible, Point, corners, fractions, nearest, plausible, readings, sample
 
-__all__ = ["Plausible", "Point", "Scan", "corners", "fractions", "plausible", "sample", "scan"]
+__all__ = ["Plausible", "Point", "Scan", "corners", "fractions", "plausible", "sample", "scan", "scans"]
 
 #: fewest samples on which a verdict may rest
 LEAST_SAMPLES = 200
@@ -175,6 +176,43 @@ def scan(
                 around = _around_the_few(inputs, found, criteria(claim)[0].holds, seed, admissible)
                 closer = list(zip(values_at(around), around, strict=True))
     return Scan(quantity, tuple(inputs), seed, tuple(found), tuple(crossings), tuple(bears_out), tuple(closer))
+
+
+def scans(
+    case: Any,
+    quantities: Sequence[str],
+    inputs: Sequence[Plausible],
+    evaluate: Callable[[Mapping], Mapping[str, float]],
+    **more: Any,
+) -> Iterator[Scan]:
+    """Scan several quantities that are computed together: each point is computed once for all.
+
+    Parameters
+    ----------
+    case, inputs, **more
+        As for `scan`.
+    quantities : sequence of str
+    evaluate : callable
+        Mapping of input names to values -> these quantities, and others, by their ids.
+
+    Yields
+    ------
+    Scan
+        One a quantity, for `Results.scan`.
+    """
+    known: dict[tuple, Mapping[str, float]] = {}
+
+    def value_of(quantity: str, point: Mapping) -> float:
+        key = tuple(point.items())
+        if key not in known:
+            known[key] = evaluate(point)
+        found = known[key]
+        if quantity not in found:
+            raise InputError("quantity of a scan", value=quantity, expected=one_of(quantity, found))
+        return found[quantity]
+
+    for quantity in quantities:
+        yield scan(case, quantity, inputs, partial(value_of, quantity), **more)
 
 
 def _around_the_few(
