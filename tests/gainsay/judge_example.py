@@ -13,9 +13,11 @@ SAMPLED = sorted(set(get_args(Kind)) - PROVED - {"remark"})
 
 
 class Tables:
-    """What judging needs of a case: the declared quantities, and claims that others join."""
+    """What judging needs of a case: the declared quantities, claims that others join, names of parameters."""
 
-    def __init__(self, *parts: Claim) -> None:
+    def __init__(self, *parts: Claim, left_out: tuple[str, ...] = (), printed: tuple[str, ...] = ()) -> None:
+        self.assumed = dict.fromkeys(left_out)
+        self.parameters = dict.fromkeys((*left_out, *printed))
         self.claims = {part.id: part for part in parts}
         units = {"q": "m", "other": "m", "angle": "rad", "flag": "1"}
         self.quantities = {q: Quantity(id=q, unit=unit, step="audit", meaning="m") for q, unit in units.items()}

@@ -1,12 +1,14 @@
 """Sentences without a threshold, that say "can", or that can be read in several ways."""
 
+from dataclasses import replace
+
 import pytest
 
 from gainsay.tables.sentences import of_sentence, worst
 from gainsay.verdicts.evidence import Evidence
 from gainsay.verdicts.judge import judge
 from gainsay.verdicts.outcome import outcome
-from tests.gainsay.judge_example import Tables, claim, evidence, found, scans, verdict
+from tests.gainsay.judge_example import Tables, at_least, at_most, claim, evidence, found, scans, verdict
 
 # --- thresholds that the paper does not print -------------------------------------------------------------------------
 
@@ -69,10 +71,49 @@ def test_a_list_of_readings_none_of_which_can_be_refutes_it():
 @pytest.mark.parametrize(("value", "expected"), [(1.0, "reproduced"), (3.0, "undecided")])
 def test_one_number_bears_out_what_can_be_and_does_not_refute_it(value, expected):
     of = claim("at_most", "2", "ordering", holds_for="some", given="start=far")
-    judged = judge(Tables(), of, evidence(value=found(value)), {})
+    judged = judge(Tables(left_out=("start",)), of, evidence(value=found(value)), {})
     assert judged.verdict == expected
     said = "borne out by q = 1.0 m at start=far" if expected == "reproduced" else "not borne out at start=far"
     assert said in judged.witness + judged.note
+
+
+# by hand: q is at least 3 wherever x lies, so that no x bears out "at most 2"
+@pytest.mark.parametrize(
+    ("over", "read", "given", "kind", "expected"),
+    [
+        ({"x"}, set(), "", "norm-bound", "contradicted"),
+        ({"x"}, {"mass"}, "", "norm-bound", "contradicted"),  # what the paper prints is no input left open
+        ({"x"}, set(), "", "ordering", "contradicted"),
+        (set(), set(), "", "norm-bound", "undecided"),  # proved of one number, which says nothing of others
+        ({"x"}, {"y"}, "", "norm-bound", "undecided"),  # y has a value of ours in the formulas
+        ({"x"}, set(), "y=1", "norm-bound", "undecided"),  # y has a value of ours in the condition
+        ({"x"}, set(), "mass=1", "norm-bound", "contradicted"),
+    ],
+)
+@pytest.mark.parametrize("sampled", [False, True])
+def test_what_can_be_is_refuted_by_a_proof_over_all_that_is_left_out(over, read, given, kind, expected, sampled):
+    of = claim("at_most", "2", kind, holds_for="some", given=given)
+    proof = replace(at_least(3), over=frozenset(over))
+    samples = {"scans": scans(of, 3.5, 4.0)} if sampled else {}
+    on = evidence(proof, value=found(3.5), read={"cert": read}, **samples)
+    judged = judge(Tables(left_out=("x", "y"), printed=("mass",)), of, on, {})
+    assert judged.verdict == expected
+    assert ("refutes nothing" in judged.note or "does not say" in judged.note) == (expected == "undecided")
+    if expected == "contradicted":
+        assert judged.witness and judged.certificate == "cert"
+
+
+def test_a_proof_over_a_box_that_does_not_reach_the_threshold_leaves_what_can_be_undecided():
+    of = claim("at_most", "2", "norm-bound", holds_for="some")
+    proof = replace(at_least(1), over=frozenset({"x"}))
+    assert judge(Tables(left_out=("x",)), of, evidence(proof, scans=scans(of, 3.5)), {}).verdict == "undecided"
+
+
+def test_samples_that_a_proof_excludes_are_no_verdict():
+    of = claim("at_most", "2", "norm-bound")
+    assert verdict(of, evidence(at_least(3), scans=scans(of, 1.0, 1.5))) == "failed"
+    assert verdict(of, evidence(at_most(1), scans=scans(of, 3.0, 3.5))) == "failed"
+    assert verdict(of, evidence(at_most(2), scans=scans(of, 1.0, 1.5))) == "reproduced"
 
 
 # --- parts and readings of one sentence -------------------------------------------------------------------------------

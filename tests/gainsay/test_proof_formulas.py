@@ -170,3 +170,14 @@ def test_what_is_no_constraint_is_refused(text):
     names = {"A": Matrix.of([[1, 2], [3, 4]]), "B": Matrix.of([[1, 2, 3]])}
     with pytest.raises(CertificateError):
         constraint(text, names, Reader(TABLES, "test"))
+
+
+def test_plausible_values_are_a_ball_over_the_range_of_the_table_and_recorded():
+    tables = MappingTables(ranges={"rate0": ("0.05", "0.2")})
+    reader = Reader(tables, "test")
+    found = evaluate("2*plausible('rate0')", {}, reader).entry(0, 0)
+    # twice the ends, by hand
+    assert Fraction("0.0999") < lower(found) <= Fraction("0.1") and Fraction("0.4") <= upper(found) < Fraction("0.4001")
+    assert reader.data == {"plausible": {"rate0": "0.05..0.2"}}
+    with pytest.raises(CertificateError, match="no plausible range 'mass'"):
+        evaluate("plausible('mass')", {}, reader)

@@ -203,6 +203,15 @@ def test_quadratic_bound_without_uncertainty_gives_the_lyapunov_cost():
     refused("quadratic_bound", fields, {"P": [["2.4", "0.5"], ["0.5", "0.5"]]})
 
 
+@pytest.mark.parametrize("starts", ["[[1, 0], [0, 2]]", "[[0, 1], [2, 0]]"])
+def test_quadratic_bound_of_several_starts_is_that_of_the_worst_in_whichever_column(starts):
+    # x0' P x0 is 5/2 from (1, 0) and 2 from (0, 2), by hand
+    fields = {"A": SIMPLE, "Q": "2*eye(2)", "x0": starts, "cost": "2.5"}
+    witness = {"P": [["2.5", "0.5"], ["0.5", "0.5"]]}
+    assert proved(make("quadratic_bound", fields, witness)) == {("cost", "at_most", "2.5")}
+    refused("quadratic_bound", {**fields, "cost": "2.4"}, witness)
+
+
 def test_robust_disk_and_norm():
     p = linalg.solve_discrete_lyapunov(((A + 1.7 * I) / 1.2).T, I)
     lft = {"H": "col(0, 0.1)", "Cz": "row(1, 0)", "blocks": [["full", 1, 1]]}

@@ -1,15 +1,21 @@
 """What a computation reads of what the paper leaves out is recorded with what it computes, and claims must say it."""
 
+from dataclasses import replace
+
 import pytest
 
 from gainsay.errors import InputError
 from gainsay.results import Results, run_tasks, task
 from gainsay.tables.files import read_records
+from gainsay.tables.lint import _claim_faults
+from gainsay.tables.models import RecordedRead
 from gainsay.tables.reads import recording
 from gainsay.verdicts.plausible import plausible
 from gainsay.verdicts.record import reads_of
 from gainsay.verdicts.scan import scan
+from tests.gainsay.judge_example import claim as example
 
+CLAIM = example("at_most", "2", quantity="audit.length")
 HEADER = "quantity,parameter,how\n"
 
 
@@ -98,3 +104,28 @@ def test_a_claim_on_what_read_an_assumed_input_says_so_or_is_refused(project, ro
     with pytest.raises(InputError) as found:
         project.case()
     assert refused in found.value.expected
+
+
+@pytest.mark.parametrize(
+    ("plausible_values", "kind", "note", "accepted"),
+    [
+        ("0..1", "ordering", "a note", False),
+        ("0..1", "ordering", "sampled: no closed form", True),
+        ("0.25|0.5", "ordering", "a note", True),  # a list has nothing between its values
+        ("0..1", "input-bound", "a note", True),  # which a certificate has to decide
+    ],
+)
+def test_a_claim_that_holds_at_samples_says_why_it_is_not_proved(project, plausible_values, kind, note, accepted):
+    claim = CLAIM.model_copy(update={"kind": kind, "note": note})
+    case = project.case()
+    guess = case.parameters["guess"].model_copy(update={"plausible": plausible_values})
+    of = replace(
+        case,
+        parameters={**case.parameters, "guess": guess},
+        recorded_scans={("c", "samples"): None},
+        recorded_reads={
+            ("audit.length", "guess"): RecordedRead(quantity="audit.length", parameter="guess", how="scanned")
+        },
+    )
+    faults = [field for field, _, _ in _claim_faults(of, claim)]
+    assert faults == ([] if accepted else ["note"])

@@ -307,7 +307,11 @@ def uncertain(plain, data, draw):
                 mp.mpf(gain(loop, b + h @ through @ dd, c + ew @ through @ cz, d + ew @ through @ dd, 60))
             )
         if "x0" in fields:
-            x0 = doubles(at.value(fields["x0"]))
+            starts = doubles(at.value(fields["x0"]))
+            weights = np.array([[draw.random()] for _ in starts.T])
+            x0 = (
+                starts @ (weights / weights.sum()) if draw.random() < 0.5 else starts[:, [draw.randrange(len(weights))]]
+            )
             if "cost" in fields and roots.real.max() < 0:
                 x = linalg.solve_continuous_lyapunov(loop.T, -get("Q", n, n))
                 facts["cost"].append(mp.mpf((x0.T @ x @ x0)[0, 0]))

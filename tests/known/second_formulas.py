@@ -157,6 +157,10 @@ class Formulas:
             case "interval":
                 low, high = (self.visit(x)[0, 0] for x in args)
                 return np.array([[low + (high - low) * mp.mpf(self.draw.random())]], dtype=object)
+            case "plausible" | "ends":
+                low, high = map(number, self.data["plausible"][args[0].value].split(".."))
+                between = [low + (high - low) * mp.mpf(self.draw.random())]
+                return np.array([between if name == "plausible" else [low, high]], dtype=object)
             case "eye" | "zeros":
                 m, n = args[0].value, args[-1].value
                 return np.array([[mp.mpf(int(name == "eye" and i == j)) for j in range(n)] for i in range(m)],

@@ -44,6 +44,7 @@ SEED, BATCHES = 20261125, 10
 TOY = MappingTables(
     name="toy",
     numbers={"b": "1.5", "gamma": "2", "n": "1.13e-3"},
+    ranges={"rest": ("0.25", "0.5")},
     printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]], "v": [["0.50", "0.25"]], "u": [["1", "0"], ["0", "-1"]]},
 )
 A = np.array([[0.0, 1.0], [-2.0, -3.0]])
@@ -78,12 +79,14 @@ def toys():
          {"P": gramian + 1e-3 * unit, "S": gramian - 1e-3 * unit}, {}),  # the norm is 12^-1/2
         ("eigenvalues", {"matrix": "A", "measure": "radius", "shift": "b"}, {}, {}),
         ("not_an_eigenvalue", {"matrix": "box('A')", "real": "-1.5", "imaginary": "0.1"}, {}, {}),
-        ("enclosed", {"formula": "sqrt(b) + pi*interval(0, 0.5)", "low": "1.2", "high": "2.9"}, {}, {}),
+        ("enclosed", {"formula": "sqrt(b) + pi*(interval(0, 0.5) - plausible('rest')/2)", "low": "0.4", "high": "2.5"},
+         {}, {}),
         ("definite", {"constraint": "[[b, 1], [..., 1]] > 0"}, {}, {}),
         ("not_definite", {"constraint": "[[b, 2], [..., 1]] > 0"}, {"z": [["1"], ["-1"]]}, {}),
         ("positive_on_interval", {"constraint": "[[x + 2, x], [..., 1]] > 0", "low": "-0.9", "high": "b"},
          {}, {"unknowns": x}),
-        ("quadratic_bound", {"A": "A", "Q": "eye(2)", "x0": "col(1, 0)", "cost": "3", "H": "col(0, level)",
+        ("quadratic_bound", {"A": "A", "Q": "eye(2)", "x0": "row(unit(2,0), ends('rest').T)", "cost": "3",
+                             "H": "col(0, level)",
                              "Cz": "row(1, 0)", "blocks": [["repeated", 1]],
                              "inputs": [{"of": "u", "row": "row(1, 1)", "bound": "4"}]},
          {"P": linalg.solve_continuous_lyapunov(A.T, -1.7 * EYE), "D1": "0.4"}, {}),

@@ -14,8 +14,9 @@ Format, version 2 (keys sorted, two spaces, UTF-8, a final newline; the same cer
 ``unknowns``    name -> {"shape": [m, n], "structure": "symmetric" | "full" | "diagonal" | "skew"}
 ``fields``      the kind's own fields: formulas, constraints, bounds
 ``witness``     name -> matrix of exact rationals as text ("-8.8129e-4", "1/3"), in nested lists
-``data``        every table entry read, with its value: {"number": {name: text}, "printed": {name: rows},
-                "half_units": {name: rows}, "design": {"name.entry": rows}}
+``data``        every table entry read, with its value: {"number": {name: text}, "plausible":
+                {name: "low..high"}, "printed": {name: rows}, "half_units": {name: rows},
+                "design": {"name.entry": rows}}
 ``conclusions`` list of {"of", "quantity", "relation", "value"}: `of` is what the kind proves something about
                 ("norm", "cost", ...), `quantity` the id it is in quantities.csv ("" where it is about the
                 certificate's formulas alone); value exact text or null; at least one

@@ -88,6 +88,7 @@ def _same_data(certificate: Certificate, tables: Any) -> None:
     reader = scope.reader
     read = {
         "number": reader.number,
+        "plausible": reader.plausible,
         "printed": reader.printed,
         "half_units": reader.half_units,
         "design": lambda name: reader.design(*name.split(".", 1)),

@@ -15,6 +15,8 @@ A formula is one Python expression in ASCII, parsed by `ast` and never run as Py
 ``box('L')``                    every matrix that rounds to the printed digits, as balls
 ``design('repaired', 'K')``     matrix of a design of ours, the binary numbers as they are
 ``interval(0.9, 1.1)``          every number between, as a ball
+``plausible('mass')``           every plausible value of what the paper leaves out, as a ball, in SI
+``ends('mass')``                row of the least and the greatest plausible value, exact, in SI
 ``eye(n)``, ``zeros(m, n)``     identity, zero
 ``diag(a, B, ...)``             block diagonal
 ``block([[...]])``, ``col(a, b)``, ``row(a, b)``  block matrix, column, row
@@ -69,6 +71,12 @@ class Source(Protocol):
 
     def number(self, name: str) -> Matrix:
         """Parameter in SI."""
+
+    def plausible(self, name: str) -> Matrix:
+        """Every plausible value of a number that the paper leaves out, in SI."""
+
+    def ends(self, name: str) -> Matrix:
+        """Row of its least and its greatest plausible value."""
 
     def printed(self, name: str) -> Matrix:
         """Matrix as printed."""
@@ -303,6 +311,8 @@ def _sqrt(e: _Evaluator, args: list[ast.expr]) -> Matrix:
 
 _FUNCTIONS: dict[str, tuple[int | None, Callable[[_Evaluator, list[ast.expr]], Matrix]]] = {
     "number": (1, lambda e, a: e.source.number(e.string(a[0]))),
+    "plausible": (1, lambda e, a: e.source.plausible(e.string(a[0]))),
+    "ends": (1, lambda e, a: e.source.ends(e.string(a[0]))),
     "printed": (1, lambda e, a: e.source.printed(e.string(a[0]))),
     "box": (1, lambda e, a: e.source.box(e.string(a[0]))),
     "design": (2, lambda e, a: e.source.design(e.string(a[0]), e.string(a[1]))),

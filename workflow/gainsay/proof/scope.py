@@ -7,7 +7,7 @@ from typing import Any, Protocol
 from flint import arb, arb_mat, fmpq_mpoly_ctx
 
 from gainsay.errors import CertificateError, GainsayError
-from gainsay.exact.ball import ball
+from gainsay.exact.ball import ball, hull
 from gainsay.exact.matrix import Matrix, RingError
 from gainsay.exact.rational import exact, rational_matrix, to_text
 from gainsay.proof import formulas
@@ -29,6 +29,9 @@ class Tables(Protocol):
 
     def exact(self, name: str) -> Fraction:
         """Parameter in SI."""
+
+    def plausible(self, name: str) -> tuple[Fraction, Fraction]:
+        """Ends of the plausible range of a number that the paper leaves out, in SI."""
 
     def printed(self, name: str) -> Any:
         """Printed matrix, with `.exact` and `.half_units`, tuples of rows of `Fraction`."""
@@ -61,6 +64,8 @@ class MappingTables:
     designs : mapping of (name, entry) to rows of floats
     name : str
         Of the paper.
+    ranges : mapping of str to two exact numbers
+        Plausible values.
     """
 
     def __init__(
@@ -69,14 +74,20 @@ class MappingTables:
         printed: Mapping[str, Sequence[Sequence[str]]] | None = None,
         designs: Mapping[tuple[str, str], Any] | None = None,
         name: str = "tables",
+        ranges: Mapping[str, tuple[object, object]] | None = None,
     ) -> None:
         self.name = name
         self._numbers, self._printed = dict(numbers or {}), dict(printed or {})
-        self._designs = dict(designs or {})
+        self._designs, self._ranges = dict(designs or {}), dict(ranges or {})
 
     def exact(self, name: str) -> Fraction:
         """Parameter in SI."""
         return exact(self._numbers[name])
+
+    def plausible(self, name: str) -> tuple[Fraction, Fraction]:
+        """Ends of a plausible range."""
+        low, high = self._ranges[name]
+        return exact(low), exact(high)
 
     def printed(self, name: str) -> Any:
         """Printed matrix."""
@@ -96,6 +107,10 @@ class CaseTables:
     def exact(self, name: str) -> Fraction:
         """Parameter in SI."""
         return self.case.exact(name)
+
+    def plausible(self, name: str) -> tuple[Fraction, Fraction]:
+        """Ends of the plausible range of a number that the paper leaves out, in SI."""
+        return self.case.plausible(name)
 
     def printed(self, name: str) -> Any:
         """Printed matrix."""
@@ -138,6 +153,19 @@ class Reader:
         value = self._read("parameter", name, lambda: exact(self.tables.exact(name)))
         self._record("number", name, to_text(value))
         return Matrix.number(value)
+
+    def plausible(self, name: str) -> Matrix:
+        """Every plausible value of a number that the paper leaves out, as a ball."""
+        return Matrix.number(hull(*self._range(name)))
+
+    def ends(self, name: str) -> Matrix:
+        """Row of its least and its greatest plausible value."""
+        return Matrix(rational_matrix([self._range(name)]))
+
+    def _range(self, name: str) -> tuple[Fraction, Fraction]:
+        low, high = self._read("plausible range", name, lambda: tuple(map(exact, self.tables.plausible(name))))
+        self._record("plausible", name, f"{to_text(low)}..{to_text(high)}")
+        return low, high
 
     def printed(self, name: str) -> Matrix:
         """Matrix as printed."""

@@ -222,6 +222,12 @@ class _Typesetter:
     def call_number(self, nodes: Sequence[ast.expr]) -> Piece:
         return name_tex(self.word(nodes[0])), _ATOM
 
+    def call_plausible(self, nodes: Sequence[ast.expr]) -> Piece:
+        return rf"\langle {name_tex(self.word(nodes[0]))}\rangle", _ATOM
+
+    def call_ends(self, nodes: Sequence[ast.expr]) -> Piece:
+        return rf"\partial\langle {name_tex(self.word(nodes[0]))}\rangle", _ATOM
+
     def call_printed(self, nodes: Sequence[ast.expr]) -> Piece:
         return name_tex(self.word(nodes[0])), _ATOM
 

@@ -140,6 +140,26 @@ class Case:
             )
         return PrintedNumber(row.value).value * to_si(row.unit)[1]
 
+    def plausible(self, name: str) -> tuple[Fraction, Fraction]:
+        """Return the ends, in SI units, of the plausible range of a number that the paper leaves out.
+
+        Raises
+        ------
+        InputError
+            If the table gives no range, or pi belongs to the unit.
+        """
+        row = self.parameters.get(name)
+        low, dots, high = (row.plausible if row and row.type == "number" else "").partition("..")
+        if row is None or row.status != "assumed" or not dots or not is_exact(row.unit):
+            raise InputError(
+                file=f"papers/{self.name}/parameters.csv",
+                field="plausible",
+                value=name,
+                expected="an assumed number with a range `low..high`, in a unit without pi",
+            )
+        factor = to_si(row.unit)[1]
+        return PrintedNumber(low).value * factor, PrintedNumber(high).value * factor
+
     def rounded(self, name: str) -> tuple[Fraction, Fraction]:
         """Return the ends, in SI units, of what rounds to the digits of a number as they are printed."""
         row = self._parameter(name, "number")
@@ -167,22 +187,6 @@ class Case:
     def matrix(self, name: str) -> np.ndarray:
         """Return the nearest doubles of a printed matrix, read-only, in the unit of its row: as printed, not SI."""
         return self.printed(name).floats
-
-    def plausible_ends(self, name: str) -> tuple[str, str]:
-        """Return the ends of the plausible range of a number that the paper leaves out, decimals in the row's unit.
-
-        Raises
-        ------
-        InputError
-            If the table gives no range.
-        """
-        row = self.parameters.get(name)
-        low, dots, high = (row.plausible if row else "").partition("..")
-        if not dots:
-            raise InputError(
-                file=f"papers/{self.name}/parameters.csv", field="plausible", value=name, expected="a range low..high"
-            )
-        return low, high
 
     def replies_to(self, claim: str) -> tuple[Reply, ...]:
         """Return what is held against the verdict on a claim, in the order of the table."""

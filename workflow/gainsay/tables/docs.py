@@ -15,7 +15,7 @@ from gainsay.tables.case import Case
 from gainsay.tables.contract import README
 from gainsay.tables.files import LARGEST, read_text
 from gainsay.tables.folder import paper_names, read_case
-from gainsay.tables.lint import PROVED
+from gainsay.tables.lint import rests_on_samples
 from gainsay.tables.mathematics import parts
 from gainsay.tables.models import TABLES, VERDICTS, Claim, PaperFile, Row, columns
 from gainsay.tables.rooms import ROOMS
@@ -76,15 +76,6 @@ def _table(model: type[BaseModel]) -> str:
 def _expected(together: tuple[Claim, ...]) -> str:
     """Return the verdict on record of a sentence."""
     return of_sentence((claim, claim.expected) for claim in together)
-
-
-def rests_on_samples(case: Case, claim: Claim) -> bool:
-    """Say whether the verdict on record holds at every sample of a range, and is proved nowhere between them."""
-    if claim.expected != "reproduced" or claim.kind in PROVED or (claim.id, "samples") not in case.recorded_scans:
-        return False
-    reads = case.recorded_reads.items()
-    scanned = [name for (of, name), row in reads if of == claim.quantity and row.how == "scanned"]
-    return any(".." in case.parameters[name].plausible for name in scanned)
 
 
 def _counts(cases: list[Case], link: Callable[[Case], str]) -> list[str]:

@@ -103,6 +103,21 @@ def _weight_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
             yield field, value, f"nothing, since the claim is {claim.expected}"
 
 
+def rests_on_samples(case: Case, claim: Claim) -> bool:
+    """Say whether the verdict on record holds at every sample of a range, and is proved nowhere between them."""
+    if claim.expected != "reproduced" or claim.kind in PROVED or (claim.id, "samples") not in case.recorded_scans:
+        return False
+    reads = case.recorded_reads.items()
+    scanned = [name for (of, name), row in reads if of == claim.quantity and row.how == "scanned"]
+    return any(".." in case.parameters[name].plausible for name in scanned if name in case.parameters)
+
+
+def _sampled_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
+    """Yield the fault of a claim that holds at samples and does not say why it is not proved between them."""
+    if rests_on_samples(case, claim) and claim.holds_for != "some" and "sampled: " not in claim.note:
+        yield "note", claim.note, "`sampled: ` and the reason why it is not proved over the plausible values"
+
+
 def given_of(case: Case, claim: Claim) -> dict[str, str]:
     """Return the condition of a claim: name of what the paper leaves out -> value, as text.
 
@@ -233,6 +248,7 @@ def _claim_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
         return
     yield from _yes_or_no_faults(claim)
     yield from _unsaid_faults(case, claim)
+    yield from _sampled_faults(case, claim)
     unit = case.quantities[claim.quantity].unit
     if to_si(claim.unit)[0] != unit:
         yield "unit", claim.unit, f"{unit}, the unit of {claim.quantity}, or one that converts to it"

@@ -150,7 +150,8 @@ class Claim(Row):
     holds_for: HoldsFor = Field(
         default="",
         description="of a sentence that says `can` or the like: `some` where one input at which it holds bears it out, "
-        "and one at which it does not refutes nothing; `every` where more is claimed, as of a sentence without it",
+        "and nothing refutes it but a proof over all plausible values; `every` where more is claimed, as of a sentence "
+        "without it",
     )
     weight: Weight = Field(
         default="",

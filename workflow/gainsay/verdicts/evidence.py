@@ -43,6 +43,8 @@ class Concluded:
         The bound or bounds.
     certificate, theorem : str
         Its id and what proves it.
+    over : frozenset of str
+        What the paper leaves out and the proof covers over its plausible range.
     """
 
     relation: str
@@ -50,6 +52,7 @@ class Concluded:
     high: Fraction | None
     certificate: str
     theorem: str
+    over: frozenset[str] = frozenset()
 
 
 @dataclass
@@ -142,10 +145,11 @@ def read_evidence(case: Case) -> Evidence:
         evidence.certificates[path.stem] = proof.statement
         entries = (certificate.data.get(sort, {}) for sort in ("number", "printed", "half_units"))
         evidence.read[path.stem] = {name for found in entries for name in found}
+        over = frozenset(certificate.data.get("plausible", {}))
         for conclusion in proof.conclusions:
             low, high = _ends(conclusion.relation, conclusion.value)
             evidence.concluded.setdefault(conclusion.quantity, []).append(
-                Concluded(conclusion.relation, low, high, path.stem, proof.theorem)
+                Concluded(conclusion.relation, low, high, path.stem, proof.theorem, over)
             )
     scans = read_scans((path for path in listed if path.parent.name == "scans"), case.root)
     evidence.scans = outcomes(case, scans)

@@ -8,7 +8,7 @@ from typing import Any
 from gainsay.exact.digits import PrintedNumber
 from gainsay.results.returned import FROM_DIGITS
 from gainsay.tables import Case
-from gainsay.tables.lint import PROVED
+from gainsay.tables.lint import PROVED, given_of
 from gainsay.tables.models import Claim
 from gainsay.tables.sentences import of_sentence
 from gainsay.tables.units import to_si
@@ -22,6 +22,8 @@ _BOUNDED = {"trajectory": "a numerical error bound", "parameter": "an enclosure"
 _DIGITS = ("parameter", "gain")
 #: verdict on a claim that a scan of its quantity speaks of
 _OF_SCAN = {"holds": "reproduced", "fails": "contradicted", "depends": "undetermined", "open": "undecided"}
+#: verdicts of a proof that what is said of every sample excludes
+_AGAINST_SAMPLES = {"holds": ("contradicted",), "fails": ("reproduced",)}
 #: relative rounding by which a double may lie outside the bounds proved for it
 _ROUNDING = Fraction(1, 10**6)
 
@@ -106,6 +108,13 @@ def _judge_yes_or_no(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
         certificate=certificates,
         witness=witness,
     )
+
+
+def _decides(claim: Claim, scan: Outcome, evidence: Evidence) -> bool:
+    """Say whether a scan decides a claim, and no proof: samples that nothing bears out leave room for one."""
+    if scan.outcome == "open" and claim.quantity in evidence.concluded:
+        return False
+    return claim.kind not in PROVED or scan.outcome == "depends"
 
 
 def _judge_scan(claim: Claim, scan: Outcome, found: Found | None) -> Judgement:
@@ -229,13 +238,24 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     return Judgement("undecided", note=reason, **shared)
 
 
-def _one_is_enough(claim: Claim, judged: Judgement) -> Judgement:
-    """Judge a number under a sentence that says `can`: one input bears it out, and one refutes nothing."""
+def _left_open(case: Case, claim: Claim, evidence: Evidence, judged: Judgement) -> bool:
+    """Say whether inputs are left at which a sentence that says `can` was not looked at.
+
+    None are where every certificate covers a plausible range, and nothing that the paper leaves out has a value of ours
+    in the condition of the claim or in what the certificates read.
+    """
+    used = [c for c in evidence.concluded.get(claim.quantity, []) if c.certificate in judged.certificate.split()]
+    fixed = set(given_of(case, claim)).union(*(evidence.read.get(c.certificate, set()) for c in used))
+    return not used or not all(c.over for c in used) or bool(fixed & set(case.assumed))
+
+
+def _one_is_enough(case: Case, claim: Claim, evidence: Evidence, judged: Judgement) -> Judgement:
+    """Judge a number under a sentence that says `can`: one input bears it out, and all of them refute it."""
     at = f" at {claim.given}" if claim.given else ""
     if judged.verdict == "reproduced":
         value = f"{judged.recomputed!r} {claim.unit}".removesuffix(" 1")
         return replace(judged, witness=f"borne out by {claim.quantity} = {value}{at}")
-    if judged.verdict == "contradicted":
+    if judged.verdict == "contradicted" and _left_open(case, claim, evidence, judged):
         note = f"not borne out{at}, which does not say that nothing bears it out: {judged.witness}"
         return replace(judged, verdict="undecided", witness="", note=note)
     return judged
@@ -279,12 +299,16 @@ def judge(case: Case, claim: Claim, evidence: Evidence, verdicts: dict[str, str]
         at_fault = [part for part in parts if verdicts[part] == joined]
         witness = "" if joined == "reproduced" else f"{joined}: {' '.join(at_fault)}"
         return Judgement(joined, evidence="joined", witness=witness)
-    if claim.id in evidence.scans and (claim.kind not in PROVED or evidence.scans[claim.id].outcome == "depends"):
-        return _judge_scan(claim, evidence.scans[claim.id], evidence.found.get(claim.quantity))
+    scan = evidence.scans.get(claim.id)
+    if scan is not None and _decides(claim, scan, evidence):
+        return _judge_scan(claim, scan, evidence.found.get(claim.quantity))
     given_up = evidence.undecided.get(claim.quantity)
     if given_up is not None and claim.quantity not in evidence.concluded:
         return Judgement("undecided", note=given_up)
     if claim.comparator in ("holds", "fails", "feasible", "infeasible"):
         return _judge_yes_or_no(case, claim, evidence)
     judged = _judge_number(case, claim, evidence)
-    return _one_is_enough(claim, judged) if claim.holds_for == "some" else judged
+    if scan is not None and judged.verdict in _AGAINST_SAMPLES.get(scan.outcome, ()):
+        note = f"the certificate says {judged.verdict}, and the scan: {scan.note}"
+        return Judgement("failed", evidence=judged.evidence, certificate=judged.certificate, note=note)
+    return _one_is_enough(case, claim, evidence, judged) if claim.holds_for == "some" else judged

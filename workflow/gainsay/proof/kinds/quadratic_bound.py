@@ -9,6 +9,8 @@ along every solution dV/dt + x' Q x <= 0. Hence
   bound^2 P - (x(0)' P x(0)) k' k >= 0 (k a matrix of any number of rows, |.| Euclidean);
 - stable: with < 0 in place of <= 0 and Q >= 0 the origin is exponentially stable.
 
+Where ``x0`` has several columns, the bounds are those of every start in their convex hull, since V is convex.
+
 With Dw the form must be < 0: then I - Dw Delta is regular. Without channels (no ``H``) the system is x' = A x.
 
 Fields: ``A``, ``Q`` (zero if left out), ``x0``, ``cost`` (the bound), ``inputs``, ``H``, ``Cz``, ``Dw``, ``blocks``.
@@ -65,7 +67,8 @@ def prove(scope: Scope) -> list[Proved]:
     if "x0" not in fields:
         return result
     x0 = scope.evaluate(scope.field("x0"))
-    _, start = bounds(scope, x0.T @ p @ x0, "x(0)' P x(0)")
+    levels = x0.T @ p @ x0
+    start = max(bounds(scope, levels.take([i], [i]), "x(0)' P x(0)")[1] for i in range(x0.shape[1]))
     if "cost" in fields:
         if not dissipates:
             raise scope.fail("a cost bound needs Q >= 0")
