@@ -9,6 +9,7 @@ number in its row.
 import os
 import re
 import shutil
+from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,12 +19,14 @@ import pytest
 
 from gainsay.results import Results, run_tasks
 from gainsay.tables import paper_names, read_case
+from gainsay.tables.lint import PROVED
 from gainsay.tables.models import Claim
-from gainsay.verdicts.evidence import Evidence, Found
+from gainsay.verdicts.evidence import Concluded, Evidence, Found
 from gainsay.verdicts.judge import Judgement, judge
 from gainsay.verdicts.outcome import outcome, outcomes, read_scans
 from papers.li2021 import plant as satellite
 from papers.li2021 import response
+from papers.wan2014 import proofs_two_body as two_body
 from papers.wan2014 import scans as flights
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -37,13 +40,19 @@ READINGS = [
 FACTORS = (0.5, 2.0)
 #: ranges whose ends are not ours: a share of a whole, a full circle
 WHOLE = {"estimate_position_share", "estimate_velocity_share", "variation_phase"}
+#: what certificates prove, in SI
+PROVED_BOUNDS = {"audit.final_range": two_body.FINAL_RANGE, "audit.final_speed": two_body.FINAL_SPEED}
 #: how a row says where its verdict turns
 TURNS = re.compile(r"turns (at|below|above) [-\d.]")
 _ONE = {"name": "x", "unit": "1", "low": 0.0, "high": 1.0, "logarithmic": False, "parameter": "x"}
 
 
 def on_record(case, claim: Claim) -> Judgement:
-    """Judge a claim from the record: the ends of its scan, or its value."""
+    """Judge a claim from the record: what its certificate proves, the ends of its scan, or its value."""
+    if claim.kind in PROVED:
+        bound = PROVED_BOUNDS[claim.quantity]
+        proof = Concluded("at_most", None, Fraction(bound), "proof", "theorem")
+        return judge(case, claim, Evidence(concluded={claim.quantity: [proof]}, certificates={"proof": "s"}), {})
     if (claim.id, "smallest") in case.recorded_scans:
         ends = [float(case.recorded_scans[claim.id, item].value) for item in ("smallest", "largest")]
         scan = {"quantity": claim.quantity, "inputs": [_ONE], "values": ends, "points": [[0.0], [1.0]], "crossings": []}
