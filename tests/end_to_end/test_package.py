@@ -80,7 +80,7 @@ def test_a_new_project_outside_the_repository_is_green_at_once(built, tmp_path):
     run(commands / "snakemake", "--cores", "2", cwd=project)
     assert "is as on record" in run(commands / "gainsay", "check", cwd=project)
     for file in ("index.html", "toy2001/index.html", "toy2001/logs/nominal.mcap", "toy2001/logs/nominal.rrd",
-                 "toy2001/figures/figure_1.svg", "toy2001/certificates/abscissa.json"):  # fmt: skip
+                 "toy2001/figures/figure_1.svg", "toy2001/certificates/audit-abscissa.json"):  # fmt: skip
         assert (project / "results" / file).stat().st_size, file
     replayed = run(commands / "gainsay", "--root", project, "replay",
                    project / "results/toy2001/logs/nominal.mcap", cwd=tmp_path)  # fmt: skip

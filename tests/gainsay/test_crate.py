@@ -169,7 +169,7 @@ def replaced(crate, file, old, new):
         ("results/toy2001/parts/synthesis.quantities.csv", "lmi.feasible,1.0,", "lmi.feasible,0.0,",
          "quantities.csv: does not follow from the results"),
         # a printed number: the certificates no longer prove what is claimed of it
-        ("papers/toy2001/parameters.csv", "J,number,2.00,", "J,number,9.00,", "certificate abscissa: refused"),
+        ("papers/toy2001/parameters.csv", "J,number,2.00,", "J,number,9.00,", "certificate audit-abscissa: refused"),
         # a published number
         ("results/toy2001/published.csv", ",reproduced\n", ",contradicted\n",
          "published.csv: does not follow from the results"),

@@ -6,6 +6,7 @@ from gainsay.errors import CertificateError, InputError
 from gainsay.proof import check
 from gainsay.proof.scope import MappingTables
 from gainsay.systems import loop_proofs
+from gainsay.systems.norm_proofs import prove_norm
 
 CASE = MappingTables(numbers={"damping": "3"}, printed={"A": [["0", "1"], ["-2", "-3"]]})
 #: (s + 1) (s + 2); the same from a number; and an oscillator whose poles 1 +- 2j are unstable
@@ -66,3 +67,35 @@ def test_a_norm_is_bounded_above_its_value_alone():
             loop_proofs.norm_below(CASE, formulas, f"{0.999 * norm}", **PARTS)
     with pytest.raises(CertificateError, match="nothing"):
         loop_proofs.values(CASE, ["nothing + 1"], STABLE)
+
+
+class Kept:
+    """Results that keep what they are given."""
+
+    def __init__(self):
+        self.case, self.proved = CASE, []
+
+    def prove(self, certificate, *, source, values):
+        self.proved.append((certificate, source, values))
+
+
+@pytest.mark.parametrize(("norm", "value"), [("hinf", 1.0), ("h2", (1 / 3) ** 0.5)])
+def test_a_norm_stands_beside_the_proof_of_its_bound(norm, value):
+    """Of 2 / (s^2 + 3 s + 2): 1 at rest; the square of the other is 4/(2 * 2 * 3), that of b/(s^2 + a1 s + a0)."""
+    system, results = {"A": "A", "B": "[[0], [1]]", "C": "[[2, 0]]"}, Kept()
+    prove_norm(results, "audit.norm", norm, system, f"{1.001 * value}", definitions=STABLE, source="(1)")
+    ((certificate, source, found),) = results.proved
+    assert certificate.id == "audit-norm"
+    assert source == "(1)"
+    assert found == {"audit.norm": pytest.approx(value, rel=1e-9)}
+    assert [c.quantity for c in certificate.conclusions if c.of == "norm"] == ["audit.norm"]
+    concluded(certificate)
+    with pytest.raises(InputError, match="at or below"):
+        prove_norm(results, "audit.norm", norm, system, f"{0.999 * value}", definitions=STABLE)
+
+
+def test_a_certificate_without_an_id_has_that_of_its_quantity():
+    made = loop_proofs.abscissa(CASE, "A", definitions=STABLE, statement="s", quantity="audit.slowest_pole")
+    assert made.id == "audit-slowest-pole"
+    with pytest.raises(CertificateError, match="needs an id"):
+        loop_proofs.poles_left_of(CASE, "A", "0", definitions=STABLE, statement="s")

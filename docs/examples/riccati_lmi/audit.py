@@ -1,26 +1,22 @@
 """What the printed minimiser does."""
 
-from gainsay.proof import build
 from gainsay.results import Results, task
+from gainsay.systems.loop_proofs import abscissa
 from gainsay.tables import Case
 from papers.riccati_lmi.statements import DATA
 
 
 @task("Xst")
 def stabilising(case: Case, results: Results) -> None:
-    """The eigenvalues of A + B B' X, enclosed by the checker."""
-    results.prove(
-        build.certificate(
-            "eigenvalues",
-            id="stabilising",
-            statement="The rightmost eigenvalue of A + B B' X lies in this interval.",
-            tables=case,
-            definitions={**DATA, "X": "printed('X')"},
-            fields={"matrix": "A + B@B.T@X", "measure": "abscissa"},
-            quantities={"abscissa": "audit.abscissa"},
-        ),
-        source="Xst",
+    """The rightmost eigenvalue of A + B B' X, enclosed by the checker."""
+    proof = abscissa(
+        case,
+        "A + B@B.T@printed('X')",
+        definitions=DATA,
+        statement="The rightmost eigenvalue of A + B B' X lies in this interval.",
+        quantity="audit.abscissa",
     )
+    results.prove(proof, source="Xst")
 
 
 TASKS = (stabilising,)

@@ -1,11 +1,9 @@
-"""The loop of the plant and a controller x' = Ak x + Bk y, u = Ck x."""
+"""The plant, and its loop with the controller of the mixed problem: x' = Ak x + Bk y, u = Ck x."""
 
-import numpy as np
-
+from gainsay.systems.synthesis import StandardPlant
 from gainsay.tables import Case
 from papers.scherer1997.statements import PLANT
 
-#: the loop with the controller of the mixed problem, in formulas
 MIXED_LOOP = PLANT | {
     "Ak": "design('mixed', 'Ak')",
     "Bk": "design('mixed', 'Bk')",
@@ -17,12 +15,7 @@ MIXED_LOOP = PLANT | {
 }
 
 
-def loop(case: Case, Ak: np.ndarray, Bk: np.ndarray, Ck: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return A, B and the outputs of both norms, Cinf and C2, of the loop."""
-    A, B1, B2, F, E, H, G, C, D = (case.matrix(name) for name in PLANT)
-    return (
-        np.block([[A, B2 @ Ck], [Bk @ C, Ak]]),
-        np.vstack([B1, Bk @ D]),
-        np.hstack([F, E @ Ck]),
-        np.hstack([H, G @ Ck]),
-    )
+def plant(case: Case, norm: str) -> StandardPlant:
+    """The plant with the outputs of one norm, "2" or "inf"."""
+    A, B1, B2, Cz, C, Dz, D = (case.matrix(name) for name in ("A", "B1", "B2", f"C{norm}", "C", f"D{norm}", "D"))
+    return StandardPlant(A, B1, B2, Cz, C, D12=Dz, D21=D)

@@ -2,22 +2,16 @@
 
 from gainsay.results import Results, task
 from gainsay.statements import Stated, prove
-from gainsay.systems.synthesis import StandardPlant, h2_output_feedback
+from gainsay.systems.synthesis import h2_output_feedback, hinf_least_level
 from gainsay.tables import Case
-from papers.scherer1997.conditions import least_level
+from papers.scherer1997.plant import plant
 from papers.scherer1997.statements import BOUNDED_REAL, COUPLING, H2, MIXED
-
-
-def h2_plant(case: Case) -> StandardPlant:
-    """The plant with the outputs of the H2 norm."""
-    A, B1, B2, C2, C, D2, D = (case.matrix(name) for name in ("A", "B1", "B2", "C2", "C", "D2", "D"))
-    return StandardPlant(A, B1, B2, C2, C, D12=D2, D21=D)
 
 
 @task("H2")
 def least_h2_norm(case: Case, results: Results) -> None:
     """The regulator on the Kalman filter's estimate; no controller does better."""
-    norm = h2_output_feedback(h2_plant(case)).norm
+    norm = h2_output_feedback(plant(case, "2")).norm
     results.quantity(
         "h2.least", norm.lower, method="norm of the H2-optimal loop, enclosed", lower=norm.lower, upper=norm.upper
     )
@@ -25,8 +19,8 @@ def least_h2_norm(case: Case, results: Results) -> None:
 
 @task("H-infinity")
 def least_hinf_norm(case: Case, results: Results) -> None:
-    """Between a level that the Riccati equations refuse and one that they attain."""
-    low, high = least_level(case)
+    """Between a level that two Riccati equations refuse and one that they reach."""
+    low, high = hinf_least_level(plant(case, "inf"))
     results.quantity("hinf.least", high, method="two Riccati equations; band: bisection", lower=low, upper=high)
 
 

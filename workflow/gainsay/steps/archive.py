@@ -39,7 +39,7 @@ TERMS = {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}
 WORKFLOW = "Snakefile"
 PROJECT = (
     WORKFLOW, "config.yaml", "workflow/config.yaml", "profiles/default/config.yaml", "requirements.txt",
-    "requirements.lock", "pyproject.toml", "papers/__init__.py", "LICENSE", "CITATION.cff",
+    "requirements.lock", "pyproject.toml", "papers/__init__.py", "README.md", "LICENSE", "CITATION.cff",
 )  # fmt: skip
 FORMATS = {
     ".csv": "text/csv", ".json": "application/json", ".html": "text/html", ".svg": "image/svg+xml", ".png": "image/png",
@@ -257,6 +257,8 @@ def _metadata(
         file: crate.add_file(root / file, file, properties=_about(root / file, file)) for file in [*went_in, *came_out]
     }
     workflow = files[WORKFLOW]
+    if "README.md" in files:
+        files["README.md"]["about"] = crate.root_dataset
     workflow["version"] = versions.get("gainsay", "unknown")
     workflow["programmingLanguage"], workflow["softwareRequirements"] = language, software
     action = thing(
