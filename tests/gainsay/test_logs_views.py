@@ -266,9 +266,36 @@ def test_pictures_of_what_cannot_be_opened_are_not_checked(root, tmp_path, monke
     def broken():
         raise LogError("the Rerun viewer is not installed")
 
-    monkeypatch.setattr("gainsay.logs.render.rerun_binary", broken)
+    monkeypatch.setattr("gainsay.logs.headless.rerun_binary", broken)
     assert commands.gallery(root, ["demo"]) == 3
     assert capsys.readouterr().out.count("not checked: ") == 2
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("time.sleep(60)", "it did not start within 0.5 s"),
+        ("print('no driver', file=sys.stderr); sys.exit(1)", "no driver"),
+        # it listens, and never answers: a frozen viewer
+        ("s = socket.create_server(('127.0.0.1', int(sys.argv[-1]))); time.sleep(60)", "no answer to open within 1 s"),
+    ],
+)
+def test_a_viewer_that_does_not_answer_is_ended(root, tmp_path, monkeypatch, capsys, body, said):
+    script = tmp_path / "viewer"
+    script.write_text(
+        f"#!{sys.executable}\nimport os, pathlib, socket, sys, time\n"
+        f"pathlib.Path({str(tmp_path / 'pid')!r}).write_text(str(os.getpid()))\n{body}\n"
+    )
+    script.chmod(0o755)
+    monkeypatch.setattr("gainsay.logs.headless.rerun_binary", lambda: str(script))
+    monkeypatch.setattr("gainsay.logs.headless.STARTS", 0.5 if "start" in said else 20.0)
+    monkeypatch.setattr("gainsay.logs.headless.ANSWERS", 1.0)
+    (tmp_path / "stub.rrd").write_bytes(b"stub")
+    with pytest.raises(NotCheckedError, match=f"^not checked: stub.rrd: the viewer failed: {said}$"):
+        render(tmp_path / "stub.rrd", tmp_path / "stub.png")
+    if (pid := tmp_path / "pid").exists():
+        with pytest.raises(ProcessLookupError):
+            os.kill(int(pid.read_text()), 0)
 
 
 def picture(paint):
@@ -322,6 +349,16 @@ def test_the_viewer_shows_every_view_of_the_demo(rrd, tmp_path):
     assert found.problems == []
     assert sorted(found.views) == sorted(panel.title for panel in LAYOUT.panels())
     assert [path.name for path in found.pictures] == ["demo.png", "demo_2.png"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("content", [b"stub", b"", bytes(200_000)])
+def test_what_is_no_recording_is_said_in_the_words_of_the_viewer(rrd, tmp_path, content):
+    viewer(rrd, tmp_path / "looked.png")  # where there is no driver this says so
+    (tmp_path / "stub.rrd").write_bytes(content)
+    # the viewer's own words, not those of a wait that ran out
+    with pytest.raises(NotCheckedError, match="the viewer failed: Failed to load file"):
+        render(tmp_path / "stub.rrd", tmp_path / "stub.png")
 
 
 @pytest.mark.slow

@@ -208,16 +208,18 @@ def gallery(root: Path, papers: Iterable[str] = (), *, out: str = "gallery") -> 
             try:
                 found = render(mcap.with_suffix(".rrd"), folder / f"{mcap.stem}.png")
             except NotCheckedError as error:
-                print(f"{_paper(mcap)}  {error}")
+                print(f"{_paper(mcap)}  {error}", flush=True)
                 code = 3
                 continue
             shown[-1][1].extend(found.pictures)
             for problem in found.problems:
-                print(f"{_paper(mcap)}  {problem}")
+                print(f"{_paper(mcap)}  {problem}", flush=True)
             if found.problems:
                 code = code or 1
             else:
-                print(f"{_paper(mcap)}  {found.run}: {len(found.views)} views, {len(found.pictures)} pictures")
+                print(
+                    f"{_paper(mcap)}  {found.run}: {len(found.views)} views, {len(found.pictures)} pictures", flush=True
+                )
     page = Path(root, "results", "gallery.html")
     write_atomically(page, gallery_page(page.parent, shown))
     print(f"gallery     {len(shown)} runs, see results/gallery.html")

@@ -4,19 +4,15 @@ Needs a Vulkan driver; Mesa's software rasterizer will do (package mesa-vulkan-d
 """
 
 import io
-import socket
 import time as clock
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from gainsay.errors import GainsayError, LogError
-from gainsay.logs.quiet import quiet, rerun_binary
-
-if TYPE_CHECKING:
-    from rerun.experimental import ViewerClient
+from gainsay.logs.headless import Viewer, headless_viewer
 
 _WAIT = 20.0  # seconds for the viewer to load, or to stop changing
 
@@ -67,43 +63,36 @@ def render(rrd: Path, png: Path, *, time: float | None = None) -> Rendering:
     if not rrd.is_file():
         raise NotCheckedError(f"not checked: no file {rrd.name}")
     found = Rendering(rrd.stem)
-    with quiet():
-        try:
-            from rerun.experimental import ViewerClient
-
-            with ViewerClient.spawn(
-                headless=True, port=_free_port(), executable_path=rerun_binary(), hide_welcome_screen=True
-            ) as viewer:
-                _look(viewer, rrd, png, time, found)
-        except (RuntimeError, OSError, ImportError, LogError) as error:
-            raise NotCheckedError(
-                f"not checked: {rrd.name}: the viewer failed: {str(error).splitlines()[0]}"
-            ) from error
+    try:
+        with headless_viewer() as viewer:
+            _look(viewer, rrd, png, time, found)
+    except (RuntimeError, OSError, ImportError, LogError) as error:
+        raise NotCheckedError(f"not checked: {rrd.name}: the viewer failed: {str(error).splitlines()[0]}") from error
     return found
 
 
-def _look(viewer: "ViewerClient", rrd: Path, png: Path, time: float | None, found: Rendering) -> None:
+def _look(viewer: Viewer, rrd: Path, png: Path, time: float | None, found: Rendering) -> None:
     recording = _load(viewer, rrd)
     line = next((line for line in recording.timelines if line.name == recording.current_timeline), None)
     if line is None or line.time_type != "duration" or line.start != 0:
         found.problems.append(f"{found.run}: the time panel does not start at 0 of the simulation")
     end = (line.end or 0) / 1e9 if line else 0.0
-    viewer.set_time(duration=end / 40.0 if time is None else time, play_state="paused")
-    tabs = _tabs(viewer.get_blueprint("recording").blueprint)
+    viewer.ask(viewer.client.set_time, duration=end / 40.0 if time is None else time, play_state="paused")
+    tabs = _tabs(viewer.ask(viewer.client.get_blueprint, "recording").blueprint)
     for number, (tab, views) in enumerate(tabs, start=1):
         if tab:
-            blueprint = viewer.get_blueprint("recording").blueprint
+            blueprint = viewer.ask(viewer.client.get_blueprint, "recording").blueprint
             _top(blueprint)["active_tab"] = tab
-            viewer.set_blueprint(blueprint, "recording")
+            viewer.ask(viewer.client.set_blueprint, blueprint, "recording")
         picture = png if number == 1 else png.with_name(f"{png.stem}_{number}{png.suffix}")
         picture.write_bytes(_steady(viewer))
         found.pictures.append(picture)
-        for view in viewer.get_state().views:
+        for view in viewer.ask(viewer.client.get_state).views:
             if f"view/{view.view_id}" not in views:
                 continue
             found.views.append(view.name)
             found.problems += [f"{found.run}: {view.name}: {r.severity}: {r.summary}" for r in view.reports]
-            if empty(viewer.take_screenshot(view.view_id), view.view_class):
+            if empty(viewer.ask(viewer.client.take_screenshot, view.view_id), view.view_class):
                 found.problems.append(f"{found.run}: {view.name}: empty")
     found.problems = list(dict.fromkeys(found.problems))
     shown = sum(len(views) for _, views in tabs)
@@ -111,23 +100,25 @@ def _look(viewer: "ViewerClient", rrd: Path, png: Path, time: float | None, foun
         found.problems.append(f"{found.run}: {len(found.views)} views seen of {shown} in the blueprint")
 
 
-def _load(viewer: "ViewerClient", rrd: Path) -> Any:
-    viewer.open(str(rrd.resolve()))
+def _load(viewer: Viewer, rrd: Path) -> Any:
+    viewer.ask(viewer.client.open, str(rrd.resolve()))
     limit = clock.monotonic() + _WAIT
     while clock.monotonic() < limit:
-        state = viewer.get_state()
+        state = viewer.ask(viewer.client.get_state)
         if not state.loading and state.recordings and state.recordings[0].timelines and state.views:
             return state.recordings[0]
+        if not state.loading and not state.recordings and (error := viewer.complaint()):
+            raise RuntimeError(error)
         clock.sleep(0.1)
-    raise TimeoutError("it did not load the file in time")
+    raise TimeoutError(f"it showed nothing of the file within {_WAIT:g} s")
 
 
-def _steady(viewer: "ViewerClient") -> bytes:
+def _steady(viewer: Viewer) -> bytes:
     """Screenshot of the whole viewer, once two in a row are the same."""
     before, limit = b"", clock.monotonic() + _WAIT
     while clock.monotonic() < limit:
         clock.sleep(0.3)
-        picture = viewer.take_screenshot()
+        picture = viewer.ask(viewer.client.take_screenshot)
         if picture == before:
             break
         before = picture
@@ -188,9 +179,3 @@ def empty(png: bytes, view_class: str) -> bool:
     if view_class == "TextDocument":
         return not (stands_out[30:].any() or stands_out[:, 60:].any())
     return bool(stands_out.mean() < 5e-4)
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
