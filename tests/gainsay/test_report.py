@@ -146,7 +146,8 @@ def test_the_page_says_what_is_in_the_results(built):
     for wanted in (
         "satisfy (14), whatever the weights.",  # what the certificate proves
         "What stays on faith in each: That the formulas are the paper's.",  # and what does not follow
-        "By Farkas' lemma for linear matrix inequalities; hence eq14.feasible fails.",
+        "Theorem: Farkas' lemma for linear matrix inequalities.",
+        "Hence the answer: no.",
         "sha256:" + "0" * 64,
         "2 of 3 samples hold (at most 40 N)",
         "Holds with observer start = measured, fails with zero, the other input kept; "

@@ -84,3 +84,6 @@ def test_units():
     assert span("", "3.0", "m").startswith("≤")
     assert span("3.0", "", "m").startswith("≥")
     assert span("", "") == enclosure("1", "", "") == ""
+    narrow = span("-0.51152574854808170", "-0.51152574854808160")  # of seventeen digits, six and half its width
+    assert ">−0.511526</data>" in narrow and "± 5&nbsp;×&nbsp;10<sup>−17</sup>" in narrow
+    assert ">1.23457</data>" in span("1.23456789", "1.23456789")

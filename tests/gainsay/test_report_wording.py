@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from gainsay.report.certificates import _concluded, _label
 from gainsay.report.wording import condition, reason
 
 
@@ -54,3 +55,26 @@ def test_a_word_without_a_number_hangs_on_its_reading():
         f"Holds at all {where} where the sentence asks for 5.729 deg or less, "
         "fails at all where it asks for more than 11.46 deg; it prints no number."
     )
+
+
+@pytest.mark.parametrize(
+    ("relation", "value", "said"),
+    [
+        ("fails", None, "the bandwidth: fails"),
+        ("at_most", "29.01455", "the bandwidth: at most 29.0146 1/s"),  # rounded away from the number
+        ("greater_than", "0", "the bandwidth: above 0 1/s"),
+        # neither a fraction nor a row of digits: a third lies between 0.3333333333333333 and 0.33333333333333337
+        ("inside", "1/3..1/3", "the bandwidth: 0.333333 1/s (± 3.5 × 10−17 1/s)"),
+    ],
+)
+def test_what_a_certificate_concludes_is_a_word_or_a_short_number(relation, value, said):
+    declared = SimpleNamespace(id="audit.bandwidth", meaning="the bandwidth", unit="1/s")
+    case = SimpleNamespace(quantities={"audit.bandwidth": declared})
+    found = _concluded(case, {"of": "x", "quantity": "audit.bandwidth", "relation": relation, "value": value})
+    assert f"{bare(found.about)}: {found.truth or bare(found.bound)}" == said
+    assert bare(_concluded(case, {"of": "x_y", "quantity": "", "relation": "holds", "value": None}).about) == "the x y"
+
+
+def test_a_part_of_a_statement_is_named_in_words_or_as_a_symbol():
+    shown = [bare(_label(label, {"eps": {}})) for label in ("(14)", "rho > 0", "eps", "left", "Cz", "row 4")]
+    assert shown == ["(14)", "condition", "ε", "one side", "Cz", "row 4"]

@@ -281,12 +281,13 @@ class LogWriter(Elements):
         if name in self._extremes:
             raise InputError("extreme logged twice", value=name, expected="each once")
         self._extremes[name] = (unit, float(value), float(time), float(second))
-        text = f"extreme {name}: {value:.6g} {unit} at {time:.6g} s"
+        of = "" if unit == "1" else f" {unit}"
+        text = f"extreme {name}: {value:.6g}{of} at {time:.6g} s"
         passed = limit is not None and not abs(value) <= limit * (1.0 + 1e-9)
         self.event(
             time,
             name,
-            f"{text}, beyond the limit of {limit:.6g} {unit}" if passed else text,
+            f"{text}, beyond the limit of {limit:.6g}{of}" if passed else text,
             level="warning" if passed else "info",
         )
 

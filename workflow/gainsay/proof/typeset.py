@@ -147,6 +147,8 @@ class _Typesetter:
         shown, own = self.visit(node)
         if own < _ATOM:
             shown = rf"\left({shown}\right)"
+        elif shown.startswith(r"\begin"):
+            shown = f"{{{shown}}}"  # TeX raises a matrix only as a group
         return f"{shown}^{{{power}}}", _POWER
 
     def operation(self, node: ast.BinOp) -> Piece:

@@ -1,24 +1,54 @@
 """A certificate in short, for the page: what it concludes, from which formulas, by which theorem, and its digest."""
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Any
 
 from markupsafe import Markup, escape
 
 from gainsay.errors import GainsayError
+from gainsay.exact.rational import doubles_around
 from gainsay.proof import kinds
 from gainsay.report.numbers import number, span
-from gainsay.report.sentences import LONGEST_FORMULA, formula, name
+from gainsay.report.sentences import LONGEST_FORMULA, formula, name, said
 from gainsay.tables import Case
 from gainsay.tables.files import read_text
 
 __all__ = ["CertificateFile", "read_certificate"]
 
-_BOUNDS = {"at_most": "≤", "less_than": "<", "at_least": "≥", "greater_than": ">"}
+_BOUNDS = {"at_most": "at most", "less_than": "below", "at_least": "at least", "greater_than": "above"}
+#: what fields of certificates are called before their formulas; a short name of any other is a symbol
+_LABELS = {
+    "left": "one side", "right": "other side", "low": "above", "real": "real part", "imaginary": "imaginary part",
+    "formula": "value", "modulo": "up to", "constraint": "condition", "matrix": "matrix", "then": "then",
+}  # fmt: skip
 #: characters of formulas that a page shows of one certificate; a hundred vertices of a polytope stay in the file
 MOST_SHOWN = 2_500
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What a certificate concludes of one quantity.
+
+    Attributes
+    ----------
+    quantity : str
+        Its id; empty where the paper's tables declare none.
+    about : Markup
+        What it is, in words.
+    truth : str
+        ``holds`` or ``fails``; empty for a number.
+    bound : Markup
+        The number, or the bound on it, with its unit; empty for a truth.
+    """
+
+    quantity: str
+    about: Markup
+    truth: str
+    bound: Markup
 
 
 @dataclass(frozen=True)
@@ -33,9 +63,8 @@ class CertificateFile:
         What it proves, or why it is refused.
     theorem : str
         What its conclusions rest on; empty where the file cannot be read.
-    concludes : tuple of (str, Markup)
-        Quantity, and what is concluded of it.
-    formulas : tuple of (str, Markup)
+    concludes : tuple of Conclusion
+    formulas : tuple of (Markup, Markup)
         Name of a part of the statement, and the part typeset; as many as a page shows.
     unshown : int
         How many more there are.
@@ -55,8 +84,8 @@ class CertificateFile:
     accepted: bool
     says: str
     theorem: str = ""
-    concludes: tuple[tuple[str, Markup], ...] = ()
-    formulas: tuple[tuple[str, Markup], ...] = ()
+    concludes: tuple[Conclusion, ...] = ()
+    formulas: tuple[tuple[Markup, Markup], ...] = ()
     unshown: int = 0
     definitions: tuple[tuple[str, str], ...] = field(default=(), repr=False)
     unknowns: tuple[tuple[Markup, str], ...] = ()
@@ -65,29 +94,37 @@ class CertificateFile:
     file: str = ""
 
 
-def _concluded(conclusion: Mapping[str, str]) -> tuple[str, Markup]:
+def _concluded(case: Case, conclusion: Mapping[str, str]) -> Conclusion:
     relation, value = conclusion["relation"], conclusion["value"] or ""
+    declared = case.quantities.get(conclusion["quantity"])
+    about = said(declared.meaning) if declared else escape(f"the {conclusion['of']}".replace("_", " "))
+    quantity, unit = (declared.id, declared.unit) if declared else ("", "")
+    if not value:
+        return Conclusion(quantity, about, relation, Markup(""))
     if relation in _BOUNDS:
         towards = "up" if relation in ("at_most", "less_than") else "down"
-        said = Markup("{} {}").format(_BOUNDS[relation], _number(value, towards))
-    elif relation == "inside":
-        low, _, high = value.partition("..")
-        said = span(low, high) if _decimal(low) and _decimal(high) else escape(value.replace("..", " to "))
+        bound = Markup("{} {}").format(_BOUNDS[relation], number(_ends(value)[towards == "up"], unit, towards=towards))
     else:
-        said = escape(relation)
-    return conclusion["quantity"] or conclusion["of"], said
+        bound = span(*_ends(value), unit)
+    return Conclusion(quantity, about, "", bound)
 
 
-def _decimal(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+def _ends(value: str) -> tuple[str, str]:
+    """Return a number, decimal or rational, or a range of them, as the doubles around it."""
+    low, _, high = value.partition("..")
+    least, greatest = doubles_around(Fraction(low), Fraction(high or low))
+    return repr(least), repr(greatest)
 
 
-def _number(text: str, towards: str) -> Markup:
-    return number(text, towards=towards) if _decimal(text) else escape(text)
+def _label(label: str, unknowns: Mapping[str, Any]) -> Markup:
+    """Return what stands before a formula: the paper's number of it, a word, or a symbol."""
+    if label in _LABELS:
+        return escape(_LABELS[label])
+    if re.search("[<>=]", label):
+        return escape("condition")  # named by itself
+    if label in unknowns or re.fullmatch(r"[A-Za-z]\w?|alpha|gamma|rho", label):
+        return name(label)
+    return escape(label)
 
 
 def _shape(structure: str = "full", shape: Sequence[int] = (1, 1)) -> str:
@@ -110,7 +147,11 @@ def _parts(fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
                 if isinstance(entry, str):
                     yield label, entry
                 elif isinstance(entry, list) and len(entry) == 2 and all(isinstance(text, str) for text in entry):
-                    yield entry[0], entry[1]
+                    yield (
+                        ("pole, real and imaginary part", f"row({', '.join(entry)})")
+                        if key == "points"
+                        else (entry[0], entry[1])
+                    )
 
 
 def _shown(parts: list[tuple[str, str]]) -> int:
@@ -142,8 +183,8 @@ def read_certificate(case: Case, row: Mapping[str, str]) -> CertificateFile:
         return CertificateFile(
             **known,
             theorem=kinds.load(content["kind"]).THEOREM,
-            concludes=tuple(_concluded(conclusion) for conclusion in content["conclusions"]),
-            formulas=tuple((label, formula(text)) for label, text in parts[:shown]),
+            concludes=tuple(_concluded(case, conclusion) for conclusion in content["conclusions"]),
+            formulas=tuple((_label(label, content["unknowns"]), formula(text)) for label, text in parts[:shown]),
             unshown=len(parts) - shown,
             definitions=tuple((defined, text) for defined, text in content["definitions"]),
             unknowns=tuple((name(unknown), _shape(**shape)) for unknown, shape in content["unknowns"].items()),

@@ -138,9 +138,18 @@ class ClaimView:
         return said(self.claim.as_read) + differs if self.claim.as_read else _NOTHING
 
     @property
+    def sort(self) -> str:
+        """Sort of the evidence, in one word: `proved`, `sampled`."""
+        return re.split(r"\W", self.row["evidence"], maxsplit=1)[0]
+
+    @property
     def evidence(self) -> str:
-        """Kind of evidence, without the theorem that it names."""
-        return self.row["evidence"].partition(":")[0].replace("none", "")
+        """Kind of evidence, without the theorem that it names; distinct samples where some are equal."""
+        kind = self.row["evidence"].partition(":")[0].replace("none", "")
+        samples = re.fullmatch(r"sampled (\d+) \(distinct (\d+)\)", kind)
+        if samples is None:
+            return kind
+        return f"{samples[1]} samples" + (f", {samples[2]} of them distinct" if samples[1] != samples[2] else "")
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from markupsafe import Markup, escape
 
 DIGITS = 6
 _ALL_DIGITS = 17
+_MOST_DIGITS = 9  # of the ends of a range that a reader tells apart
 _NEAR = 2  # powers of ten within which two numbers are written alike
 _POWER = re.compile(r"\^(-?\d+(?:\.\d+)?)")
 _ROUNDING = {"": ROUND_HALF_EVEN, "down": ROUND_FLOOR, "up": ROUND_CEILING}
@@ -89,11 +90,16 @@ def with_unit(shown: Markup, of: str) -> Markup:
 
 
 def span(low: str, high: str, of: str = "") -> Markup:
-    """Return a range, its ends rounded outward; one end alone is a bound."""
+    """Return a range, its ends rounded outward; a narrow one as its middle and half width; one end alone is a bound."""
+    if low == high:
+        return number(low, of)
     if low and high:
         digits = _digits_of_range(low, high)
+        if digits > _MOST_DIGITS:
+            middle = str((Decimal(low) + Decimal(high)) / 2)
+            return Markup("{} ({})").format(number(middle, of), enclosure(middle, low, high, of))
         ends = [number(low, digits=digits, towards="down"), number(high, digits=digits, towards="up")]
-        return with_unit(ends[0] if low == high else Markup("{} to {}").format(*ends), of)
+        return with_unit(Markup("{} to {}").format(*ends), of)
     if low:
         return Markup("≥&nbsp;{}").format(number(low, of, towards="down"))
     if high:

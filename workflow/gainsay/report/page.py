@@ -140,6 +140,15 @@ def _decimal(text: str) -> Markup:
     return Markup(", ").join(typeset(part) for part in text.split("|"))
 
 
+def _symbol(parameter: str) -> Markup:
+    """Return the name of a table entry: words as words, a symbol typeset."""
+    return (
+        name(parameter)
+        if re.fullmatch(r"[A-Za-z]{1,2}\d*(_[A-Za-z])?|[a-z]+\d+|gamma|mu", parameter)
+        else escape(parameter.replace("_", " "))
+    )
+
+
 def _breakable(identifier: str) -> Markup:
     """Allow a line to break after the dots, dashes and underscores of an identifier."""
     return Markup(re.sub(r"([._-])(?=.)", r"\1<wbr>", str(escape(identifier))))
@@ -162,6 +171,7 @@ def _environment() -> jinja2.Environment:
         said=said,
         plain=plain_text,
         url=quote,
+        symbol=_symbol,
         anchor=lambda identifier: _ID.sub("-", identifier),
     )
     environment.globals.update(

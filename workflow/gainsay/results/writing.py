@@ -276,7 +276,7 @@ class Results:
             self.quantity(
                 quantity,
                 (values or {}).get(quantity, min(max(level, lower), upper)),
-                method=f"certificate {certificate.id}, kind {certificate.kind}",
+                method=f"proved by certificate {certificate.id}",
                 source=source,
                 lower=lower if math.isfinite(lower) and quantity in numbers else None,
                 upper=upper if math.isfinite(upper) and quantity in numbers else None,
