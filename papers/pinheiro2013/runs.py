@@ -259,7 +259,7 @@ _SCENE = Scene(
     direction=(2.6, 2.0, 1.4),
 )
 #: one wheel on each axis: the bound is that of all three curves
-_WHEEL = (Bound("wheel_torque", "wheel of Table 2, each axis"),)
+_WHEEL = (Bound("wheel_torque", "limit of Table 2"),)
 LOOK = {
     **dict.fromkeys(RELEASES, "Look at: peak and settling of the angles; the torque against the wheel's limit."),
     **dict.fromkeys(DISTURBED, "Look at: the angle at the steps of (25), linear beside nonlinear."),
