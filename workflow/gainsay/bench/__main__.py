@@ -1,5 +1,6 @@
 """Measure everything and print a line each: `make bench`."""
 
+import resource
 import sys
 import time
 from collections.abc import Iterable, Iterator
@@ -7,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from gainsay import steps  # noqa: F401  # one thread per numeric library, as in the workflow
-from gainsay.bench import chain, integration, logs, programs, synthesis, tasks
+from gainsay.bench import chain, integration, logs, outcomes, programs, synthesis, tasks
 from gainsay.bench.measure import Row
 from gainsay.errors import GainsayError
 from gainsay.tables import Case, find_root, paper_names, read_case
@@ -19,7 +20,6 @@ def ratios(case: Case) -> Iterator[Iterable[Row]]:
         yield integration.rendezvous(case)
         yield synthesis.rows(case)
         yield chain.replays(case)
-    yield chain.proofs(case)
 
 
 def _ratios(root: Path, papers: list[str]) -> tuple[int, int]:
@@ -44,10 +44,18 @@ def main() -> int:
         told = pool.submit(lambda: list(tasks.rows(root, papers)))
         print("CPU seconds against baselines measured in turn", flush=True)
         missed, unmeasured = _ratios(root, papers)
+        print("Programs of known outcome: right, undecided and wrong answers", flush=True)
+        for line in outcomes.rows():
+            print(line, flush=True)
         print("CPU seconds of the tasks, and the share of bare solves, bare integrations and imports in them")
         for row in told.result():
             print(row, flush=True)
-    print(f"{missed} aims missed, {unmeasured} not measured, in {time.perf_counter() - begun:.0f} s")
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    seconds = sum(u.ru_utime + u.ru_stime for u in used)
+    print(
+        f"{missed} aims missed, {unmeasured} not measured, "
+        f"in {time.perf_counter() - begun:.0f} s and {seconds:.0f} CPU seconds"
+    )
     return 0
 
 

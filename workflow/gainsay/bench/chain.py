@@ -1,26 +1,11 @@
-"""Single commands against their unavoidable parts."""
+"""A command against its unavoidable parts."""
 
 import sys
 from collections.abc import Iterator
 from functools import partial
 
 from gainsay.bench.measure import Row, cpu_of_command, paired
-from gainsay.proof import check_file
 from gainsay.tables import Case
-
-
-def proofs(case: Case) -> Iterator[Row]:
-    """Measure checking all certificates of a paper against reading them."""
-    files = sorted((case.results / "certificates").glob("*.json"))
-    if not files:
-        return
-    yield paired(
-        f"{case.name}: check {len(files)} certificates",
-        lambda: [check_file(f, case.root) for f in files],
-        "reading the files",
-        lambda: [f.read_bytes() for f in files],
-        runs=1,
-    )
 
 
 def replays(case: Case) -> Iterator[Row]:

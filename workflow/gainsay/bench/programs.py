@@ -68,10 +68,12 @@ def _bounded(rng: np.random.Generator, size: int, unknowns: int) -> Program:
     return replace(program, minimise=type(block)(affine(0.0).constant, cost))
 
 
-def _plain(drawn: Drawn) -> None:
-    """The program as a user of cvxpy writes it who knows to stack its coefficients, as it stands."""
-    program = drawn.program
-    stated = scaling.Scaled(
+def as_stated(program: Program) -> scaling.Scaled:
+    """The program in its own coordinates, as a plain user hands it over."""
+    return scaling.Scaled(
         program.cost, tuple(row.constant for row in program.rows), tuple(row.tensor for row in program.rows)
     )
-    backends.run(stated, program.constraints, program.margin, "cvxpy")
+
+
+def _plain(drawn: Drawn) -> None:
+    backends.run(as_stated(drawn.program), drawn.program.constraints, drawn.program.margin, "cvxpy")

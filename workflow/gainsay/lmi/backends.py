@@ -177,28 +177,46 @@ def _triangle(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return i, j, np.where(i == j, 1.0, np.sqrt(2.0))
 
 
-def _cvxpy(scaled: Scaled, constraints: Sequence, margin: float, setting: str) -> Raw:
+def _stated(scaled: Scaled, constraints: Sequence, margin: float) -> tuple[Any, Any, list[Any]]:
+    """The program as a user of cvxpy writes it who stacks its coefficients: problem, unknowns, constraints."""
     import cvxpy
 
     x = cvxpy.Variable(len(scaled.cost))
-    stated = []
+    held = []
     for constraint, constant, tensor in zip(constraints, scaled.constants, scaled.tensors, strict=True):
         shifted = _shifted(constraint, constant, margin)
         if isinstance(constraint, Definite):
             n = len(constant)
             flat = shifted.ravel() + tensor.reshape(n * n, -1) @ x
-            stated.append(cvxpy.reshape(flat, (n, n), order="C") >> 0)
+            held.append(cvxpy.reshape(flat, (n, n), order="C") >> 0)
         else:
             entries = shifted + tensor @ x
-            stated.append(entries == 0 if isinstance(constraint, Equal) else entries >= 0)
-    problem = cvxpy.Problem(cvxpy.Minimize(scaled.cost @ x), stated)
+            held.append(entries == 0 if isinstance(constraint, Equal) else entries >= 0)
+    return cvxpy.Problem(cvxpy.Minimize(scaled.cost @ x), held), x, held
+
+
+def said(scaled: Scaled, constraints: Sequence, margin: float, solver: str) -> tuple[str, float]:
+    """Status and value of a solver of cvxpy, by its name, at its own settings; status "failed" where it breaks."""
+    import cvxpy
+
+    problem, _, _ = _stated(scaled, constraints, margin)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            problem.solve(solver=solver)
+        except cvxpy.error.SolverError:
+            return "failed", float("nan")
+    return str(problem.status), float(problem.value if problem.value is not None else "nan")
+
+
+def _cvxpy(scaled: Scaled, constraints: Sequence, margin: float, setting: str) -> Raw:
+    problem, x, held = _stated(scaled, constraints, margin)
     with warnings.catch_warnings(record=True) as said:  # into the record of the attempt, not onto the terminal
         warnings.simplefilter("always")
-        problem.solve(solver=cvxpy.CLARABEL)
+        problem.solve(solver="CLARABEL")
     # cvxpy's multiplier of an equality has the other sign
     duals = tuple(
-        np.asarray(c.dual_value) * (-1 if isinstance(of, Equal) else 1)
-        for c, of in zip(stated, constraints, strict=True)
+        np.asarray(c.dual_value) * (-1 if isinstance(of, Equal) else 1) for c, of in zip(held, constraints, strict=True)
     )
     stats = problem.solver_stats
     record = {
