@@ -15,7 +15,7 @@ from gainsay.verdicts.record import reads_of
 from gainsay.verdicts.scan import scan
 from tests.gainsay.judge_example import claim as example
 
-CLAIM = example("at_most", "2", quantity="audit.length")
+CLAIM = example("at_most", "2", quantity="audit.length", statement="at most 2 m")
 HEADER = "quantity,parameter,how\n"
 
 

@@ -9,6 +9,7 @@ from gainsay.exact.digits import PrintedNumber, double
 from gainsay.tables.campaigns import faults as campaign_faults
 from gainsay.tables.case import Case
 from gainsay.tables.models import Claim, Toleranced
+from gainsay.tables.thresholds import published_ends, reading_faults, thresholds
 from gainsay.tables.units import to_si
 
 #: kinds whose verdict needs a certificate that the checker accepts
@@ -22,33 +23,6 @@ _STATES = {"holds": "holds", "fails": "fails", "feasible": "is feasible", "infea
 _ROW_OF_FIRST = 2
 #: words by which a sentence says that something is possible, and no more
 _POSSIBLE = re.compile(r"\b(can|may|might|could|able to)\b", re.IGNORECASE)
-
-
-def published_ends(published: str) -> tuple[PrintedNumber, PrintedNumber]:
-    """Return the two ends of a published `low..high`.
-
-    Raises
-    ------
-    InputError
-        If it is anything else.
-    """
-    low, dots, high = published.partition("..")
-    if not dots:
-        raise InputError("published", value=published, expected="`low..high`")
-    return PrintedNumber(low), PrintedNumber(high)
-
-
-def thresholds(claim: Claim) -> tuple[PrintedNumber, PrintedNumber]:
-    """Return the smallest and the largest threshold of a claim: the same where the paper prints it.
-
-    Raises
-    ------
-    InputError
-        If the published value is neither a number nor, for at_most and at_least, a range.
-    """
-    if claim.comparator in ("at_most", "at_least") and ".." in claim.published:
-        return published_ends(claim.published)
-    return PrintedNumber(claim.published), PrintedNumber(claim.published)
 
 
 def _tolerance_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
@@ -72,15 +46,6 @@ def _yes_or_no_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
             yield "published", claim.published, f"nothing, since what {_STATES[claim.comparator]} has no value"
         if claim.kind not in PROVED:
             yield "kind", claim.kind, f"a kind that needs a proof, since only a proof says what {claim.comparator} is"
-
-
-def _reading_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
-    """Yield the faults of a threshold that the paper does not print: a range needs the source of its ends."""
-    ranged = claim.comparator in ("at_most", "at_least") and ".." in claim.published
-    if ranged and not claim.reading:
-        yield "reading", "", f"where the ends of the thresholds {claim.published} come from"
-    if claim.reading and not ranged:
-        yield "reading", claim.reading, "nothing, or a range of thresholds `low..high` in published"
 
 
 def _holds_for_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
@@ -197,11 +162,15 @@ def _sentence_faults(case: Case) -> Iterator[tuple[int, Claim, str, str]]:
     """Yield row, claim, field and expectation where claims of one sentence do not go together."""
     first: dict[str, Claim] = {}
     readings: dict[str, set[str]] = {}
+    said: dict[tuple[str, str], Claim] = {}
     for claim in case.claims.values():
         readings.setdefault(claim.sentence, set()).add(claim.as_read)
     for row, claim in enumerate(case.claims.values(), start=_ROW_OF_FIRST):
         if claim.as_read and (not claim.sentence or len(readings[claim.sentence] - {""}) < 2):
             yield row, claim, "as_read", "nothing, or a name in `sentence` shared with a claim that reads it otherwise"
+        alike = said.setdefault((claim.where, claim.statement), claim)
+        if alike is not claim and (not claim.sentence or alike.sentence != claim.sentence):
+            yield row, claim, "sentence", f"a name shared with {alike.id}, which says the same of the same place"
         if not claim.sentence:
             continue
         before = first.setdefault(claim.sentence, claim)
@@ -223,7 +192,7 @@ def _joined_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
 def _claim_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
     """Yield field, value and expectation of every fault of a claim."""
     yield from _tolerance_faults(claim)
-    yield from _reading_faults(claim)
+    yield from reading_faults(case, claim)
     yield from _holds_for_faults(claim)
     yield from _weight_faults(claim)
     yield from _given_faults(case, claim)

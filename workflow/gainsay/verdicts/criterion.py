@@ -6,8 +6,8 @@ from fractions import Fraction
 
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
-from gainsay.tables.lint import published_ends, thresholds
 from gainsay.tables.models import Claim
+from gainsay.tables.thresholds import published_ends, thresholds
 from gainsay.tables.units import to_si
 
 Number = Fraction | float
