@@ -20,7 +20,7 @@ from papers.li2021 import plant
 from papers.li2021.audit_draws import random_gains
 from papers.li2021.plant import Gains
 from papers.li2021.proofs_full_model import FLEXIBLE, torque_over_inputs
-from papers.li2021.proofs_lemma3 import disk_of_lemma_3
+from papers.li2021.proofs_lemma3 import corrected_disk, disk_of_lemma_3
 from papers.li2021.proofs_requirements import COMPARISON, PRINTED
 from papers.li2021.statements import PLANT
 
@@ -322,5 +322,6 @@ TASKS = (
     small_angles,
     torque_over_inputs,
     disk_of_lemma_3,
+    corrected_disk,
     random_gains,
 )

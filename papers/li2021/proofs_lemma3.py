@@ -7,12 +7,12 @@
 import numpy as np
 
 from gainsay.results import Results, task
-from gainsay.statements import Stated, prove
+from gainsay.statements import Stated, Step, implication, matrix, prove
 from gainsay.systems import loop_proofs
 from gainsay.tables import Case
 from gainsay.verdicts.choices import over_choice
 from papers.li2021 import plant
-from papers.li2021.statements import EQ12, LOOP, TABLES
+from papers.li2021.statements import EQ12, EQ12_CORRECTED, LOOP, TABLES
 
 #: state feedback u = -(J0 - F'F) (k1 q + k2 q') of an observer with gains l1, l2: poles near -0.9, -0.4, -0.54, -1.9
 GAINS = {"k1": "0.36", "k2": "1.3", "l1": "2.44", "l2": "1.026"}
@@ -41,6 +41,40 @@ def lyapunov(case: Case) -> np.ndarray:
     """P of (12), shape (12, 12)."""
     k = plant.constants(case)
     return np.kron(SMALL_P, np.diag(k.inertia) - k.coupling.T @ k.coupling)
+
+
+@task("Lemma 3, corrected")
+def corrected_disk(case: Case, results: Results) -> None:
+    """Prove that the corrected (12) keeps the poles of (10) in the disk whatever the inertia within its envelope.
+
+    The loop with e = Delta W_t xi', Delta'Delta <= I, is xi' = A_e xi with A_t = A_e + E_t Delta W_t A_e.
+    """
+    bounded = "eye(3) - Delta.T @ Delta >= 0"
+    factor = "col(eye(12), Delta @ W_t @ A_e, zeros(3, 12), lam * W_t @ A_e, zeros(3, 12), (A_e + a * eye(12)) / a)"
+    results.prove(
+        implication(
+            case,
+            id="lemma3-corrected-disk",
+            quantity="lemma3.corrected_disk",
+            sentence="Where (12) holds with 0 in block (1,2) and -E'P in block (2,6), the loop (10) with e = Delta W xi' "
+            "satisfies (A + aI)'P(A + aI)/a - (b^2/a) P < 0 for every Delta with Delta'Delta <= I.",
+            given=[EQ12_CORRECTED < 0, bounded],
+            then="(A_e + a * eye(12)).T @ P @ (A_e + a * eye(12)) / a - r * P < 0",
+            expand={"A_t": "A_e + E_t @ Delta @ W_t @ A_e"},
+            unknowns={"A_e": matrix(12, 12), "Delta": matrix(3, 3)},
+            by=[
+                Step(
+                    EQ12_CORRECTED.label,
+                    factor,
+                    left_inverse="row(eye(12), zeros(12, 3), zeros(12, 3), zeros(12, 3), zeros(12, 3), zeros(12, 12))",
+                ),
+                Step(bounded, "W_t @ A_e", scale="lam**2"),
+            ],
+            faith=("That the inequality with P > 0 puts every eigenvalue of the loop into D(a, b).",),
+        ),
+        source="Lemma 3, (12)",
+    )
+    results.say("Lemma 3, corrected", "two blocks of (12) put right keep the poles in the disk for every inertia")
 
 
 @task("Lemma 3")

@@ -123,6 +123,8 @@ EQ12 = Statement(
     },
     unknowns={"P": symmetric(12), **LOOP_UNKNOWNS, **SCALARS},
 )
+#: erratum `lemma-3`: with e = Delta W xi' in (1,2) and (2,6) as the disk needs it
+EQ12_CORRECTED = EQ12.corrected({("1", "2"): "", ("2", "6"): "-E_t.T @ P"})
 EQ_A1 = Statement(
     "(A.1)",
     "Appendix I",

@@ -10,7 +10,7 @@ import pytest
 from gainsay.errors import CertificateError
 from gainsay.proof import check
 from gainsay.tables import read_case
-from papers.li2021 import plant, proofs_lemma3
+from papers.li2021 import plant, proofs_lemma3, statements
 
 CASE = read_case(Path(__file__).resolve().parents[2], "li2021")
 CONSTANTS = plant.constants(CASE)
@@ -100,3 +100,18 @@ def test_a_controller_that_keeps_the_disk_does_not_refute_the_lemma(monkeypatch)
     assert reach(loop(1.0)) < 1.0
     with pytest.raises(CertificateError):
         made()
+
+
+def corrected() -> list:
+    certificates = []
+    results = SimpleNamespace(prove=lambda c, **_: certificates.append(c), say=lambda *_: None)
+    proofs_lemma3.corrected_disk(CASE, results)
+    return certificates
+
+
+def test_as_corrected_12_keeps_the_poles_in_the_disk_for_every_inertia(monkeypatch):
+    (certificate,) = corrected()
+    assert [c.relation for c in check(certificate, CASE).conclusions] == ["holds"]
+    monkeypatch.setattr(proofs_lemma3, "EQ12_CORRECTED", statements.EQ12)
+    with pytest.raises(CertificateError):
+        corrected()
