@@ -56,8 +56,8 @@ def corrected_disk(case: Case, results: Results) -> None:
             case,
             id="lemma3-corrected-disk",
             quantity="lemma3.corrected_disk",
-            sentence="Where (12) holds with 0 in block (1,2) and -E'P in block (2,6), the loop (10) with e = Delta W xi' "
-            "satisfies (A + aI)'P(A + aI)/a - (b^2/a) P < 0 for every Delta with Delta'Delta <= I.",
+            sentence="Where (12) holds with 0 in block (1,2) and -E'P in block (2,6), the loop (10) with "
+            "e = Delta W xi' satisfies (A + aI)'P(A + aI)/a - (b^2/a) P < 0 for every Delta with Delta'Delta <= I.",
             given=[EQ12_CORRECTED < 0, bounded],
             then="(A_e + a * eye(12)).T @ P @ (A_e + a * eye(12)) / a - r * P < 0",
             expand={"A_t": "A_e + E_t @ Delta @ W_t @ A_e"},
