@@ -46,8 +46,8 @@ def finished() -> bool:
     ready = VENV / "ready"
     if not ready.is_file() or not (VENV / "bin" / "python").exists():
         return False
-    said = ready.read_text(encoding="utf-8")
-    return said.startswith(wanted()) and set(said.removeprefix(wanted()).splitlines()) <= set(inventory())
+    text = ready.read_text(encoding="utf-8")
+    return text.startswith(wanted()) and set(text.removeprefix(wanted()).splitlines()) <= set(inventory())
 
 
 def refuse(message: str) -> None:
@@ -60,10 +60,10 @@ def run(*command: object, doing: str) -> None:
     """Run a command quietly; where it fails, say so in a line and show the end of what it said."""
     done = subprocess.run([str(part) for part in command], cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode:
-        said = done.stderr + done.stdout
-        if any(word in said for word in UNREACHED):
+        text = done.stderr + done.stdout
+        if any(word in text for word in UNREACHED):
             refuse(f"setting up .venv: {doing} failed: no package index can be reached; a network is needed this once")
-        tail = " | ".join(line.strip() for line in said.strip().splitlines()[-3:])
+        tail = " | ".join(line.strip() for line in text.strip().splitlines()[-3:])
         refuse(f"setting up .venv: {doing} failed: {tail[-LONGEST:]}")
 
 

@@ -58,8 +58,8 @@ def _doubles(exact: plant.Plant | plant.Gains) -> list[np.ndarray]:
 def random_gains(case: Case, block: Block) -> dict[str, tuple[int, int]]:
     """Count the unstable loops (10) among constant draws of the twelve factors of (9), both controllers alike."""
     (axis,) = block.plan.axes
-    drawn = block.generator().random((block.size, 12))
-    factors = axis.low + (axis.high - axis.low) * drawn
+    uniform = block.generator().random((block.size, 12))
+    factors = axis.low + (axis.high - axis.low) * uniform
     found = {}
     for name in ("proposed", "comparison"):
         loops, error = loops_of(case, name, factors)

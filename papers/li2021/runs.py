@@ -159,7 +159,7 @@ def periodic(name: str) -> Simulate:
     return simulate
 
 
-def drawn(name: str, hold: str) -> Simulate:
+def random_gains(name: str, hold: str) -> Simulate:
     """Simulation with twelve factors 1 + U(0, 1), drawn once or redrawn and held; the first draw of the campaign."""
 
     def simulate(case: Case, designs: Mapping, log: LogWriter) -> None:
@@ -210,7 +210,7 @@ PERIODIC = ("proposed", "comparison", "repaired", "best")
 RUNS = (
     *(RunSpec(name, periodic(name), measure(name, *(SHARES if name == "proposed" else ()))) for name in PERIODIC),
     *(
-        RunSpec(f"{name}_{reading}", drawn(name, hold), nothing)
+        RunSpec(f"{name}_{reading}", random_gains(name, hold), nothing)
         for name in ("proposed", "comparison", "repaired")
         for reading, hold in response.HOLDS.items()
     ),

@@ -55,8 +55,8 @@ def read_inputs(plant: GeneralizedPlant, reading: str) -> GeneralizedPlant:
         w holds the uncertainty channels and d; or d alone; or the channels alone, so that d enters no norm.
     """
     q = len(plant.channels)
-    taken = {"both": slice(None), "d_alone": slice(q, None), "channels_alone": slice(q)}[reading]
-    return replace(plant, B1=plant.B1[:, taken], D11=plant.D11[:, taken], channels=())
+    columns = {"both": slice(None), "d_alone": slice(q, None), "channels_alone": slice(q)}[reading]
+    return replace(plant, B1=plant.B1[:, columns], D11=plant.D11[:, columns], channels=())
 
 
 def per_axis(measure: Callable[[str, int], float]) -> np.ndarray:

@@ -113,9 +113,9 @@ def draw_scene(time: np.ndarray, states: np.ndarray, thrust: np.ndarray, log: Lo
     log.event(0.0, "start", "chaser 5 km from the target; the estimate starts as the run says")
 
 
-def measure(prefix: str, wanted: tuple[str, ...]) -> Measure:
+def measure(prefix: str, names: tuple[str, ...]) -> Measure:
     """Return the function that reads a run's quantities from its log: the located value, banded by a second method."""
-    of_extremes = measuring(prefix, wanted, METHOD)
+    of_extremes = measuring(prefix, names, METHOD)
 
     def measured(case: Case, log: Log) -> dict[str, Measured]:
         found = dict(of_extremes(case, log))
@@ -124,7 +124,7 @@ def measure(prefix: str, wanted: tuple[str, ...]) -> Measure:
             early = thrust.column("x")[thrust.time <= FLUCTUATION]
             variation = float(np.sum(np.abs(np.diff(early))))
             found[f"{prefix}.fluctuation"] = Measured(variation, "sum of the changes between samples 0.05 s apart")
-        if "error_settling" in wanted and "capture_10m" in wanted:
+        if "error_settling" in names and "capture_10m" in names:
             share = log.extremes["error_settling"].value / log.extremes["capture_10m"].value
             found[f"{prefix}.error_settling_share"] = Measured(share, "settling time of the estimate over capture time")
         return found

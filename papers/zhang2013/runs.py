@@ -106,10 +106,10 @@ def designed(name: str) -> Simulate:
     return simulate
 
 
-def measure(prefix: str, *wanted: str) -> Measure:
+def measure(prefix: str, *names: str) -> Measure:
     """Return the function that reads a run's quantities from its log, banded by the second solution."""
     return measuring(
-        prefix, wanted, "Gauss collocation, 5 points a step of 20 ms; band: difference to 6 points a step of 30 ms"
+        prefix, names, "Gauss collocation, 5 points a step of 20 ms; band: difference to 6 points a step of 30 ms"
     )
 
 

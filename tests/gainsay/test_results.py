@@ -214,8 +214,8 @@ def test_what_is_lost_emptied_or_altered_shows(project):
     results.certificate(Paper("one"))
     for name in ("log.mcap", "log.rrd"):
         (case.results / name).write_text(name)
-    results.made("log.mcap")
-    results.made("log.rrd", of="log.mcap")
+    results.list_file("log.mcap")
+    results.list_file("log.rrd", of="log.mcap")
     results.quantity("audit.length", 1.0, method="m")
     results.close()
     assert listed_damage(case) == []
@@ -244,7 +244,7 @@ def test_what_is_never_the_same_twice_leaves_the_list_the_same(project):
         results = Results(case, "views")
         for name in ("log.mcap", "log.rrd"):
             (case.results / name).write_text("log" if name == "log.mcap" else text)
-        results.made("log.rrd", of="log.mcap")
+        results.list_file("log.rrd", of="log.mcap")
         results.close()
         assert listed_damage(case, "views") == []
         lists.append((case.results / "parts" / "views.files.csv").read_bytes())

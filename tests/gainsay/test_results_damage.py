@@ -76,11 +76,11 @@ def compute(case):
     results = Results(case, "simulation")
     results.quantity("run.peak", 39.0, method="m")
     write_atomically(case.results / "logs" / "nominal.mcap", "log")
-    results.made("logs/nominal.mcap")
+    results.list_file("logs/nominal.mcap")
     results.close()
     results = Results(case, "figures")
     write_atomically(case.results / "figures" / "figure_1.svg", '<svg width="10pt" height="20pt"></svg>')
-    results.made("figures/figure_1.svg")
+    results.list_file("figures/figure_1.svg")
     results.close()
 
 

@@ -41,14 +41,14 @@ def main() -> int:
     begun, root = time.perf_counter(), find_root()
     papers = paper_names(root)
     with ThreadPoolExecutor(1) as pool:  # the tasks, in processes of their own, fill what one process leaves idle
-        told = pool.submit(lambda: list(tasks.rows(root, papers)))
+        rows = pool.submit(lambda: list(tasks.rows(root, papers)))
         print("CPU seconds against baselines measured in turn", flush=True)
         missed, unmeasured = _ratios(root, papers)
         print("Programs of known outcome: right, undecided and wrong answers", flush=True)
         for line in outcomes.rows():
             print(line, flush=True)
         print("CPU seconds of the tasks, and the share of bare solves, bare integrations and imports in them")
-        for row in told.result():
+        for row in rows.result():
             print(row, flush=True)
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     seconds = sum(u.ru_utime + u.ru_stime for u in used)

@@ -60,9 +60,9 @@ def draw(rng: np.random.Generator, rows: int, unknowns: int, feasible: bool, dis
 def draws(seed: int, count: int, most: int) -> list[Drawn]:
     """So many programs of 2 to `most` rows, half of them infeasible, at distances from 1e-4 to 1."""
     rng = np.random.default_rng(seed)
-    drawn = []
+    samples = []
     for number in range(count):
         rows = int(rng.integers(2, most + 1))
         unknowns = int(rng.integers(1, min(rows * (rows + 1) // 2, 61)))
-        drawn.append(draw(rng, rows, unknowns, number % 2 == 0, 10.0 ** rng.uniform(-4, 0)))
-    return drawn
+        samples.append(draw(rng, rows, unknowns, number % 2 == 0, 10.0 ** rng.uniform(-4, 0)))
+    return samples

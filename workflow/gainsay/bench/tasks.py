@@ -40,8 +40,8 @@ class TaskRow:
 def _shares(row: TaskRow) -> str:
     if not row.seconds > 0:
         return ""
-    told = [f"{kind} {100 * row.parts[kind] / row.seconds:3.0f} %" for kind in KINDS]
-    return "  " + "  ".join(told)
+    shares = [f"{kind} {100 * row.parts[kind] / row.seconds:3.0f} %" for kind in KINDS]
+    return "  " + "  ".join(shares)
 
 
 def together(rows: Sequence[TaskRow], paper: str, step: str, task: str) -> TaskRow:

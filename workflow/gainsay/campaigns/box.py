@@ -92,18 +92,18 @@ def over_boxes(inputs: tuple[str, ...], test: Callable[[Case], Test], deepest: i
         whole = sum(int(p == 1 << deepest) for p in columns["proved"])
         return {"cells_proved": whole, **{k: int(sum(columns[k])) for k in ("proved", "refuted", "open", "boxes")}}
 
-    def told(plan: Plan, counts: Mapping[str, int]) -> dict[str, Any]:
+    def findings(plan: Plan, counts: Mapping[str, int]) -> dict[str, Any]:
         parts = plan.points << deepest
-        said = {key: f"{key}: {counts[key] / parts:.6f} of the volume" for key in ("proved", "refuted", "open")}
+        answers = {key: f"{key}: {counts[key] / parts:.6f} of the volume" for key in ("proved", "refuted", "open")}
         holds = "holds over the whole box" if counts["proved"] == parts else "holds over the part proved"
-        return {"property": f"{sentence}: {holds}", **said, "parts": parts}
+        return {"property": f"{sentence}: {holds}", **answers, "parts": parts}
 
     def draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> None:
         _draw(figure, plan, rows, deepest)
 
     sides = {f"{name}_{end}": "float64" for name in inputs for end in ("low", "high")}
     columns = {**sides, **dict.fromkeys(("proved", "refuted", "open", "boxes"), "int64")}
-    return Evaluation("box", inputs, columns, block, count, told, draw)
+    return Evaluation("box", inputs, columns, block, count, findings, draw)
 
 
 def _draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]], deepest: int) -> None:

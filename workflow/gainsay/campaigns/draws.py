@@ -44,23 +44,23 @@ def counted_draws(
     def count(found: Columns) -> dict[str, int]:
         return {name: int(sum(found[name])) for name in columns}
 
-    def told(plan: Plan, counts: Mapping[str, int]) -> dict[str, Any]:
+    def findings(plan: Plan, counts: Mapping[str, int]) -> dict[str, Any]:
         draws = counts["draws"]
-        said: dict[str, Any] = {}
+        answers: dict[str, Any] = {}
         for name, about in shares.items():
             occurred, open_ = counts[f"{name}_{event}"], counts[f"{name}_unresolved"]
             low, high = clopper_pearson(occurred, draws, open_, LEVEL)
-            said[name] = (
+            answers[name] = (
                 f"{event} in {occurred} of {draws} draws of {about}, unresolved {open_}: share "
                 f"{low:.6f} to {high:.6f} at {LEVEL:.0%} confidence"
             )
-            said |= {f"{name}_low": low, f"{name}_high": high, f"{name}_share": occurred / draws}
-        return said
+            answers |= {f"{name}_low": low, f"{name}_high": high, f"{name}_share": occurred / draws}
+        return answers
 
     def draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> None:
         _draw(figure, rows, event, shares)
 
-    return Evaluation("draws", inputs, columns, block, count, told, draw)
+    return Evaluation("draws", inputs, columns, block, count, findings, draw)
 
 
 def _draw(figure: Any, rows: Iterator[Mapping[str, np.ndarray]], event: str, shares: Mapping[str, str]) -> None:

@@ -81,11 +81,11 @@ def feasibility_map(
     def count(columns: Columns) -> dict[str, int]:
         return {outcome: list(columns["outcome"]).count(outcome) for outcome in COLOURS}
 
-    def told(plan: Plan, counts: Mapping[str, int]) -> dict[str, Any]:
+    def findings(plan: Plan, counts: Mapping[str, int]) -> dict[str, Any]:
         return {outcome: f"{outcome} at {counts[outcome]} of {plan.points} points" for outcome in COLOURS}
 
     columns = {**dict.fromkeys(inputs, "float64"), "outcome": "string", "certificate": "string"}
-    return Evaluation("map", inputs, columns, block, count, told, _draw, recheck)
+    return Evaluation("map", inputs, columns, block, count, findings, _draw, recheck)
 
 
 def _doubt(stated: Stated, row: Mapping[str, Any]) -> str:

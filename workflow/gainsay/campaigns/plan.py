@@ -44,7 +44,7 @@ class Evaluation:
     columns: Mapping[str, str]
     block: Callable[[Case, "Block"], Columns]
     count: Callable[[Columns], dict[str, int]]
-    told: Callable[["Plan", Mapping[str, int]], dict[str, Any]]
+    findings: Callable[["Plan", Mapping[str, int]], dict[str, Any]]
     draw: Callable[[Any, "Plan", Iterator[Mapping[str, np.ndarray]]], None]
     recheck: Callable[[Case, "Block", Mapping[str, Any]], str] | None = None
 

@@ -34,7 +34,7 @@ def grid_scan(
         values = np.asarray(columns[quantity])
         return {"within": int(np.sum(values <= holds)), "beyond": int(np.sum(~(values <= holds)))}
 
-    def told(plan: Plan, counts: Mapping[str, int]) -> dict[str, Any]:
+    def findings(plan: Plan, counts: Mapping[str, int]) -> dict[str, Any]:
         return {"within": f"{counts['within']} of {plan.points} at most {holds:g}"}
 
     def draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> None:
@@ -49,7 +49,7 @@ def grid_scan(
         axes.set_ylabel(quantity)
 
     columns = {**dict.fromkeys(inputs, "float64"), quantity: "float64"}
-    return Evaluation("scan", inputs, columns, block, count, told, draw)
+    return Evaluation("scan", inputs, columns, block, count, findings, draw)
 
 
 def _draw_plane(figure: Any, axes: Any, plan: Plan, quantity: str, values: np.ndarray, holds: float) -> None:

@@ -218,7 +218,7 @@ def gather(plan: Plan) -> dict[str, Any]:
         "depends_on": plan.digest,
         "points": plan.points,
         "counts": counts,
-        "told": plan.evaluation.told(plan, counts),
+        "told": plan.evaluation.findings(plan, counts),
         "table": {"file": path.name, "sha256": hashlib.file_digest(path.open("rb"), "sha256").hexdigest()},
     }
     write_json(manifest_path(plan.case, plan.row.name), manifest)

@@ -59,9 +59,9 @@ class FlexibleBody:
                 raise InputError(field=field, value=np.shape(getattr(self, field)), expected=f"shape {expected}")
             object.__setattr__(self, field, real_array(getattr(self, field), field))
         inertia_matrix(self.inertia)
-        for field, floor, said in (("frequency", 5e-324, "above 0 rad/s"), ("damping", 0.0, "at least 0")):
+        for field, floor, expectation in (("frequency", 5e-324, "above 0 rad/s"), ("damping", 0.0, "at least 0")):
             if np.any(np.asarray(getattr(self, field)) < floor):
-                raise InputError(field=field, value=np.asarray(getattr(self, field)).tolist(), expected=said)
+                raise InputError(field=field, value=np.asarray(getattr(self, field)).tolist(), expected=expectation)
         if np.linalg.eigvalsh(self.mass_matrix())[0] <= 0:
             raise InputError("the mass matrix is not positive definite", field="coupling", expected="J - F^T F > 0")
 

@@ -58,17 +58,17 @@ def candidates(program: Program) -> Iterator[Candidate]:
     for constraint in program.constraints:
         if not isinstance(constraint, Definite):
             raise InputError("candidates", field=program.label, value=constraint.label, expected="matrix inequalities")
-    pushed = raised(program)
-    found = solve(pushed)
+    margin_program = raised(program)
+    found = solve(margin_program)
     if not isinstance(found, Solved):
         return
     level = -found.objective
     if level > 0:
         yield Candidate(level, {name: value for name, value in found.values.items() if name != MARGIN}, {})
         return
-    scale = scaling.from_point(pushed, pushed.coordinates(found.values))
+    scale = scaling.from_point(margin_program, margin_program.coordinates(found.values))
     for push in _PUSHES:
-        multipliers, _ = duality.pushed_inside(pushed, scale, push)
+        multipliers, _ = duality.pushed_inside(margin_program, scale, push)
         if multipliers is not None and all(np.isfinite(m).all() for m in multipliers):
-            parts = duality.unscaled(pushed.constraints, scale, multipliers)
+            parts = duality.unscaled(margin_program.constraints, scale, multipliers)
             yield Candidate(level, {}, {name: value for name, value in parts.items() if name != MARGIN})

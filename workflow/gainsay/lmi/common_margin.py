@@ -32,20 +32,20 @@ def by_margin(program: Program, room: float = 1e-7) -> Outcome:
     -------
     Solved or Infeasible or Undecided
     """
-    pushed = raised(program)
-    found = solve(pushed, rounds=2)  # its sign and a scaling are wanted, not its digits
+    margin_program = raised(program)
+    found = solve(margin_program, rounds=2)  # its sign and a scaling are wanted, not its digits
     if not isinstance(found, Solved):
         return Undecided(program.label, found.attempts, "no largest common margin")
     if found.objective < 0:
         values = {name: value for name, value in found.values.items() if name != MARGIN}
         check = program.check(values)
         return Solved(values, check.objective, check, found.gap, found.attempts)
-    scale = scaling.from_point(pushed, pushed.coordinates(found.values))
-    multipliers, raw = duality.pushed_inside(pushed, scale, room)
+    scale = scaling.from_point(margin_program, margin_program.coordinates(found.values))
+    multipliers, raw = duality.pushed_inside(margin_program, scale, room)
     attempts = (*found.attempts, {**raw.record, "aim": "multipliers with room", "asked": room})
     if multipliers is None or not all(np.isfinite(m).all() for m in multipliers):
         return Undecided(program.label, attempts)
-    bound, proved = duality.lower_bound(pushed, scale, multipliers)
+    bound, proved = duality.lower_bound(margin_program, scale, multipliers)
     if not bound > 0:
         return Undecided(program.label, attempts)
     refuting = {label: z for label, z in proved.items() if label != MARGIN}

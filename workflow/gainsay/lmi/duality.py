@@ -98,8 +98,8 @@ def _pushed(scaled: scaling.Scaled, constraints: Sequence, push: float, setting:
             extra += tensor.sum(axis=0)
             shifts.append(np.ones(len(constant)))
     # the equations c = sum <T, Z + push I> are those of the cost without push times the traces
-    pushed = scaling.Scaled(scaled.cost - push * extra, scaled.constants, scaled.tensors)
-    raw = backends.run(pushed, constraints, 0.0, setting)
+    interior = scaling.Scaled(scaled.cost - push * extra, scaled.constants, scaled.tensors)
+    raw = backends.run(interior, constraints, 0.0, setting)
     if not raw.multipliers:
         return None, raw
     return tuple(z + push * s for z, s in zip(raw.multipliers, shifts, strict=True)), raw
@@ -184,10 +184,10 @@ def _interior(program: Program, found: Level, attempts: list) -> Iterator[Sequen
             yield multipliers[:-1]
         return
     for push in _PUSHES:
-        pushed, raw = _pushed(found.phase, constraints, push / rows)
+        interior, raw = _pushed(found.phase, constraints, push / rows)
         attempts.append({**raw.record, "aim": "interior multipliers", "asked": push / rows})
-        if pushed is not None and all(np.isfinite(m).all() for m in pushed):
-            yield pushed[:-1]
+        if interior is not None and all(np.isfinite(m).all() for m in interior):
+            yield interior[:-1]
 
 
 def _below(found: Level) -> np.ndarray:

@@ -97,7 +97,7 @@ class System:
         return sum(t.size for t in self.scaled.tensors) <= _MOST_SHARP
 
     def _corrected(
-        self, frames: list[np.ndarray], needed: np.ndarray, units: np.ndarray, inverse: RightInverse, sharp: bool
+        self, frames: list[np.ndarray], mask: np.ndarray, units: np.ndarray, inverse: RightInverse, sharp: bool
     ) -> Multipliers | None:
         """The proof of `confined` within frames, by residuals in doubles or, sharp, in twice their digits."""
         cores = self._cores(frames)
@@ -105,9 +105,9 @@ class System:
             z, wide = assembled(self.constraints, frames, cores)
             rest, bound = self._sharp_rest(frames, cores) if sharp else self._rest(z, wide)
             if number < 2:
-                steps = steps_of(inverse.matrix @ (units * rest[needed]), cores)
+                steps = steps_of(inverse.matrix @ (units * rest[mask]), cores)
                 cores = [c - e for c, e in zip(cores, steps, strict=True)]
-        reach = inverse.reach(norm(units * bound[needed]))
+        reach = inverse.reach(norm(units * bound[mask]))
         strict, distance, linear, blur = False, 0.0, [], 0.0
         for constraint, constant, frame, core in zip(
             self.constraints, self.scaled.constants, frames, cores, strict=True
@@ -125,7 +125,7 @@ class System:
                 distance += reach * norm(frame)
                 linear.append(frame.T @ constant)
                 blur += gamma(len(frame)) * norm(np.abs(frame).T @ np.abs(constant))
-        value = inverse.change(np.concatenate(linear), units * bound[needed]) + blur * reach
+        value = inverse.change(np.concatenate(linear), units * bound[mask]) + blur * reach
         return self._bounded(z, wide, distance, value, strict)
 
     def restored(self, multipliers: Sequence[np.ndarray]) -> list[np.ndarray] | None:
@@ -138,11 +138,11 @@ class System:
             stated = self._stated(z, 0.0)
             if stated is None:
                 return None
-            frames, needed, units, inverse = stated
+            frames, mask, units, inverse = stated
             cores = self._cores(frames)
             z, wide = assembled(self.constraints, frames, cores)
             rest, _ = self._rest(z, wide)
-            steps = steps_of(inverse.matrix @ (units * rest[needed]), cores)
+            steps = steps_of(inverse.matrix @ (units * rest[mask]), cores)
             longest = max((most_lost(c, e) for c, e in zip(self.constraints, steps, strict=True)), default=0.0)
             part = min(1.0, _PART / longest) if longest > 0 else 1.0
             cores = [c - part * e for c, e in zip(cores, steps, strict=True)]
@@ -168,15 +168,15 @@ class System:
         frames = self._frames(multipliers, cut)
         if frames is None:
             return None
-        needed = self._needed(frames)
-        solved = self._within(frames, needed)
-        return None if solved is None else (frames, needed, *solved)
+        mask = self._needed(frames)
+        solved = self._within(frames, mask)
+        return None if solved is None else (frames, mask, *solved)
 
-    def _within(self, frames: Sequence[np.ndarray], needed: np.ndarray) -> tuple[np.ndarray, RightInverse] | None:
+    def _within(self, frames: Sequence[np.ndarray], mask: np.ndarray) -> tuple[np.ndarray, RightInverse] | None:
         """Equations in the cores of frames, in units that even them out: the units, and a right inverse."""
         columns, sizes = [], []
         for constraint, tensor, frame in zip(self.constraints, self._tensors(), frames, strict=True):
-            part = tensor if needed.all() else tensor[..., needed]
+            part = tensor if mask.all() else tensor[..., mask]
             if isinstance(constraint, Definite):
                 shape = (frame.shape[1] ** 2, part.shape[-1])
                 columns.append(congruent(part, frame).reshape(shape))

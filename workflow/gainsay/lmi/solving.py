@@ -225,17 +225,17 @@ def filled(program: Program, outcome: Outcome) -> Outcome:
     assert isinstance(point, Solved)
     rest = {v.name: v.matrix(np.zeros(v.size)) for v in program.variables}
     values = {**rest, **{name: value for name, value in point.values.items() if name in rest}}
-    told = replace(point, values=values, check=program.check(values))
+    full = replace(point, values=values, check=program.check(values))
     if isinstance(outcome, Unbounded):
-        return replace(outcome, solved=told, ray={**rest, **outcome.ray})
-    return told
+        return replace(outcome, solved=full, ray={**rest, **outcome.ray})
+    return full
 
 
 def filled_point(program: Program, point: Solved) -> Solved:
     """A point on a face as one of the whole program."""
-    told = filled(program, point)
-    assert isinstance(told, Solved)
-    return told
+    full = filled(program, point)
+    assert isinstance(full, Solved)
+    return full
 
 
 def runs(

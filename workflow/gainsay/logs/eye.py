@@ -29,9 +29,9 @@ def eye_of(scene: Scene, log: Log) -> Eye:
     for topic in scene.topics:
         for _, message in log.messages(topic):
             for entity in message.entities:
-                drawn = np.array(list(_points(entity))).reshape(-1, 3)
+                own_points = np.array(list(_points(entity))).reshape(-1, 3)
                 moved = shifts.get(entity.frame_id) if entity.frame_id not in (scene.frame, scene.follow) else None
-                points += [drawn] if moved is None else [drawn + low_or_high for low_or_high in moved]
+                points += [own_points] if moved is None else [own_points + low_or_high for low_or_high in moved]
     around = np.concatenate([np.zeros((1, 3)), *points])
     low, high = around.min(axis=0), around.max(axis=0)
     middle = np.zeros(3) if scene.follow else 0.5 * (low + high)
@@ -60,8 +60,8 @@ def _shifts(log: Log) -> dict[str, np.ndarray]:
 
 def _points(entity: Any) -> Iterator[tuple[float, float, float]]:
     """Points that an entity reaches: those of a ball around an arrow or a solid, since its frame may turn."""
-    for drawn in (*entity.lines, *entity.triangles):
-        yield from ((point.x, point.y, point.z) for point in drawn.points)
+    for own_points in (*entity.lines, *entity.triangles):
+        yield from ((point.x, point.y, point.z) for point in own_points.points)
     for arrow in entity.arrows:
         place, length = arrow.pose.position, arrow.shaft_length + arrow.head_length
         yield from _ball(place, length)

@@ -97,9 +97,9 @@ def located(log: "Log", name: str, method: str, *, times: float = 1.0, rounding:
 
 def measuring(prefix: str, names: Iterable[str], method: str, *, times: float = 1.0) -> Measure:
     """Return the function that measures located extremes as quantities ``<prefix>.<name>``, banded as by `located`."""
-    wanted = tuple(names)
+    fixed_names = tuple(names)
 
     def measure(case: Any, log: "Log") -> dict[str, Measured]:
-        return {f"{prefix}.{name}": located(log, name, method, times=times) for name in wanted}
+        return {f"{prefix}.{name}": located(log, name, method, times=times) for name in fixed_names}
 
     return measure

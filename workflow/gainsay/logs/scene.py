@@ -139,20 +139,20 @@ def marker(frame: str, position: object, size: float, role: str, label: str) -> 
 def _arrow(made: Any, origin: object, vector: np.ndarray, role: str) -> None:
     length = float(np.linalg.norm(vector))
     if length > 0.0:
-        drawn = made.arrows.add(
+        shape = made.arrows.add(
             shaft_length=0.8 * length,
             shaft_diameter=0.04 * length,
             head_length=0.2 * length,
             head_diameter=0.1 * length,
         )
-        _vector(drawn.pose.position, _finite(origin, (3,), "origin"))
+        _vector(shape.pose.position, _finite(origin, (3,), "origin"))
         # Shortest rotation of the x axis onto the vector; half a turn about z where they are opposite.
         x, y, z = vector / length
         quaternion = np.array([0.0, -z, y, 1.0 + x]) if x > -1.0 + 1e-12 else np.array([0.0, 0.0, 1.0, 0.0])
         quaternion /= np.linalg.norm(quaternion)
-        turn = drawn.pose.orientation
+        turn = shape.pose.orientation
         turn.x, turn.y, turn.z, turn.w = (float(value) for value in quaternion)
-        _colour(drawn.color, role)
+        _colour(shape.color, role)
 
 
 def arrow(frame: str, origin: object, vector: np.ndarray, role: str) -> Any:

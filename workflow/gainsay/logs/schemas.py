@@ -84,7 +84,7 @@ def _file(name: str) -> descriptor_pb2.FileDescriptorProto:
     """Build the descriptor of one file of the table above."""
     file = descriptor_pb2.FileDescriptorProto(name=name, package=name.rsplit("/", 1)[0].replace("/", "."))
     file.syntax = "proto3"
-    needed = set()
+    imports = set()
     for message, text in _FOXGLOVE[name].items():
         into = file.message_type.add(name=message)
         enums = {}
@@ -104,10 +104,10 @@ def _file(name: str) -> descriptor_pb2.FileDescriptorProto:
                 made.type, made.type_name = _FIELD.TYPE_ENUM, f".{file.package}.{message}.{kind}"
             elif kind in _HOME:
                 made.type, made.type_name = _FIELD.TYPE_MESSAGE, "." + _full_name(kind)
-                needed.add(_HOME[kind])
+                imports.add(_HOME[kind])
             else:
                 made.type = getattr(_FIELD, "TYPE_" + kind.upper())
-    file.dependency.extend(sorted(needed))
+    file.dependency.extend(sorted(imports))
     return file
 
 

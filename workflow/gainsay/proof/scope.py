@@ -239,10 +239,10 @@ class Scope:
         A group whose last member is in brackets lists fields that may be left out: ``("H", "Cz", ("Dw",))``.
         """
         for group in groups:
-            needed = [name for name in group if isinstance(name, str)]
+            mandatory = [name for name in group if isinstance(name, str)]
             free = [name for part in group if not isinstance(part, str) for name in part]
-            given = [name for name in (*needed, *free) if name in self.certificate.fields]
-            missing = [name for name in needed if name not in self.certificate.fields]
+            given = [name for name in (*mandatory, *free) if name in self.certificate.fields]
+            missing = [name for name in mandatory if name not in self.certificate.fields]
             if given and missing:
                 raise self.fail(f"field {given[0]!r} is given without {', '.join(map(repr, missing))}")
 

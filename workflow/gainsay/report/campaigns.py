@@ -57,11 +57,15 @@ def _view(case: Case, name: str, digest: str, question: str) -> CampaignView:
     manifest = current_manifest(case, name, digest)
     if manifest is None:
         return CampaignView(name, question, outdated=True)
-    told = manifest.get("told")
-    answers = tuple(text for text in told.values() if isinstance(text, str)) if isinstance(told, dict) else ()
+    answers_by_name = manifest.get("told")
+    answers = (
+        tuple(text for text in answers_by_name.values() if isinstance(text, str))
+        if isinstance(answers_by_name, dict)
+        else ()
+    )
     size = f"{manifest.get('points')} points over {case.campaigns[name].inputs.replace('..', ' to ')}"
     try:
-        drawn = escape(svg_uri(read_text(case.results / "campaigns" / f"{name}.svg", case.root)))
+        picture = escape(svg_uri(read_text(case.results / "campaigns" / f"{name}.svg", case.root)))
     except InputError:
-        drawn = Markup()
-    return CampaignView(name, question, answers, size, drawn)
+        picture = Markup()
+    return CampaignView(name, question, answers, size, picture)

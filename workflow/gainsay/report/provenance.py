@@ -99,13 +99,13 @@ def provenance_over(root: Path, papers: Iterable[PaperResults]) -> Provenance:
 def _commit(root: Path) -> str | None:
     """Return the commit that is checked out, with a plus where files differ from it; None outside a repository."""
     try:
-        said = [
+        text = [
             subprocess.run(["git", *command], cwd=root, capture_output=True, text=True, timeout=20, check=True).stdout
             for command in (("rev-parse", "HEAD"), ("status", "--porcelain", "--untracked-files=no"))
         ]
     except (OSError, subprocess.SubprocessError):
         return None
-    return said[0].strip() + ("+" if said[1].strip() else "")
+    return text[0].strip() + ("+" if text[1].strip() else "")
 
 
 def _processor() -> str:

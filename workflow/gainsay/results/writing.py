@@ -100,7 +100,7 @@ class Results:
         self._written[relative] = ""
         return self.case.results / relative
 
-    def made(self, relative: str, *, of: str = "") -> None:
+    def list_file(self, relative: str, *, of: str = "") -> None:
         """List a file that the step has written by other means: a log, a figure, a view.
 
         Parameters

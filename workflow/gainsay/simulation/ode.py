@@ -142,14 +142,14 @@ def integrate(
         if not np.isfinite(found.y).all():
             lost = float(found.t[~np.isfinite(found.y).all(axis=0)][0])
             raise ComputationError("integration", f"the state is not finite at t = {lost!r} s")
-        solution, taken, reached = found.sol, found.t, found.y[:, -1]
-        if found.status == 1 and taken[-1] > taken[-2]:
+        solution, times, reached = found.sol, found.t, found.y[:, -1]
+        if found.status == 1 and times[-1] > times[-2]:
             last = _up_to_kink(guarded, found, rtol, atol, method, kinks)
             solution = _joined(found.sol, last.sol)
-            taken, reached = np.append(found.t[:-1], last.t[1:]), last.y[:, -1]
+            times, reached = np.append(found.t[:-1], last.t[1:]), last.y[:, -1]
         pieces.append(solution)
-        steps.append(taken[1:])
-        time, state = float(taken[-1]), reached
+        steps.append(times[1:])
+        time, state = float(times[-1]), reached
         if found.status == 1:
             # One tiny explicit step leaves the kink's zero behind; its error, about 1e-18 f', is below rounding.
             state = state + _NUDGE * guarded(time, state)

@@ -169,14 +169,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         case = read_case(find_root(options.root), options.paper)
         if options.chunk is None:
-            said = gather_all(case, options.campaign)
+            summary = gather_all(case, options.campaign)
         else:
-            said = chunk(case, options.campaign, options.chunk, options.digest)
+            summary = chunk(case, options.campaign, options.chunk, options.digest)
     except InputError as error:
         return refuse(error)
     except OSError as error:
         return broken_off(error)
-    print(f"{case.name}  campaign    {said}", flush=True)
+    print(f"{case.name}  campaign    {summary}", flush=True)
     return CLEAN
 
 

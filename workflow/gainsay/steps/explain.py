@@ -117,12 +117,12 @@ def _state(case: Case) -> str:
     )
     failures = len(read_records(case.results / "failures.csv", case.root))
     differing = len(read_records(case.results / "differences.csv", case.root))
-    said = [
+    remarks = [
         f"{count} {what}"
         for count, what in ((failures, "failures"), (differing, "differences"), (lost, "damaged files"))
         if count
     ]
-    return ", ".join(said) or ("draft, nothing else to say" if case.paper.draft else "as on record")
+    return ", ".join(remarks) or ("draft, nothing else to say" if case.paper.draft else "as on record")
 
 
 def status(root: Path, papers: list[str]) -> list[str]:

@@ -35,7 +35,7 @@ def figures(case: Case) -> None:
                 (case.results / "figures" / f"{figure.name}.{ending}").unlink(missing_ok=True)
             draw(case, figure)
             for ending in ("svg", "png"):
-                results.made(f"figures/{figure.name}.{ending}")
+                results.list_file(f"figures/{figure.name}.{ending}")
             results.say(figure.name, f"from {', '.join(figure.runs) or 'the quantities'}")
     results.close()
 

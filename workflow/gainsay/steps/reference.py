@@ -115,8 +115,8 @@ def _plain(text: str) -> str:
 
 
 def _formulas() -> str:
-    said = inspect.cleandoc(formulas.__doc__ or "")
-    return f"# The formula language\n\n{_NOTE}\n```text\n{said}\n```\n"
+    description = inspect.cleandoc(formulas.__doc__ or "")
+    return f"# The formula language\n\n{_NOTE}\n```text\n{description}\n```\n"
 
 
 def _conclusions(module: ModuleType) -> list[str]:
@@ -144,9 +144,9 @@ def _proofs() -> str:
         module = kinds.load(name)
         head, _, rest = _plain(module.__doc__ or "").partition("\n")
         optional = f"; optional {', '.join(f'`{field}`' for field in module.OPTIONAL)}" if module.OPTIONAL else ""
-        needed = ", ".join(f"`{field}`" for field in module.REQUIRED)
+        fields = ", ".join(f"`{field}`" for field in module.REQUIRED)
         concludes = "; ".join(f"`{text}`" for text in _conclusions(module)) or "see above"
-        lines += [f"## `{name}`", "", head, rest, "", f"Needs {needed}{optional}. Concludes {concludes}.", ""]
+        lines += [f"## `{name}`", "", head, rest, "", f"Needs {fields}{optional}. Concludes {concludes}.", ""]
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -161,9 +161,9 @@ def _claims() -> str:
         "| --- | --- | --- | --- |",
     ]
     for kind in get_args(Kind):
-        said, call = KINDS[kind]
+        description, call = KINDS[kind]
         needs = "certificate" if kind in PROVED else ("none" if kind == "remark" else "number with its band")
-        lines.append(f"| `{kind}` | {said} | {needs} | {_escaped(call)} |")
+        lines.append(f"| `{kind}` | {description} | {needs} | {_escaped(call)} |")
     lines += ["", "## Comparators", "", "| comparator | the claim holds where the quantity is |", "| --- | --- |"]
     lines += [f"| {f'`{name}`' if name else '(empty)'} | {COMPARATORS[name]} |" for name in get_args(Comparator)]
     return "\n".join(lines) + "\n"

@@ -118,10 +118,10 @@ def figure_differences(case: Case, run: RunSpec, log: Log) -> Iterator[str]:
         with tempfile.TemporaryDirectory() as folder:
             save(figure, logs, case, Path(folder))
             for ending in ("svg", "png"):
-                drawn, on_file = (
+                fresh, on_file = (
                     place / f"{figure.name}.{ending}" for place in (Path(folder), case.results / "figures")
                 )
-                if not on_file.is_file() or drawn.read_bytes() != on_file.read_bytes():
+                if not on_file.is_file() or fresh.read_bytes() != on_file.read_bytes():
                     yield f"{on_file.name}: drawn from the log, it differs from the one on file"
 
 

@@ -52,26 +52,26 @@ def forget_damaged(root: Path, papers: Iterable[str]) -> list[str]:
     list of str
         A line for each step that had been done: what is damaged.
     """
-    said: list[str] = []
+    notices: list[str] = []
     shared = root / "results" / "report.files.csv"
-    undone = [paper for paper in papers if _forget(root / "results" / paper, said)]
+    undone = [paper for paper in papers if _forget(root / "results" / paper, notices)]
     if shared.exists() and list(damage(shared, root / "results")):
-        said.append("report runs again, its files are not as it left them")
+        notices.append("report runs again, its files are not as it left them")
         undone.append("report")
     if undone or not shared.exists():
         shared.unlink(missing_ok=True)
         (root / "results" / ".checked").unlink(missing_ok=True)
-    return said
+    return notices
 
 
-def _forget(results: Path, said: list[str]) -> bool:
+def _forget(results: Path, notices: list[str]) -> bool:
     """Forget what of one paper is not done whole; say whether anything is not."""
     again: set[str] = set()
     for step, after in AFTER.items():
         listing = results / "parts" / f"{step}.files.csv"
         why = _undone(results, step)
         if why and listing.exists():
-            said.append(f"{results.name}: {step} runs again, {why}")
+            notices.append(f"{results.name}: {step} runs again, {why}")
         if why or step in again:
             again |= {step, *after}
     for step in again:

@@ -41,7 +41,7 @@ def simulate(case: Case, run: RunSpec, results: Results) -> None:
     parameters = read_text(case.folder / "parameters.csv", case.root).encode()
     with LogWriter(path, provenance=provenance(case, run), attachments={"parameters.csv": parameters}) as log:
         run.simulate(case, case.designs, log)
-    results.made(f"logs/{run.name}.mcap")
+    results.list_file(f"logs/{run.name}.mcap")
     measure(case, run, results)
     size = path.stat().st_size / 1e6
     results.say(run.name, f"{case.paper.runs[run.name]}, {size:.1f} MB")

@@ -42,8 +42,8 @@ def verdicts(case: Case) -> None:
         write_csv(case.results / f"{name}.csv", columns, rows)
     files = {f"{table}.csv": "" for table in tables}
     write_listing(case.results / "parts" / "verdicts.files.csv", case.results, files)
-    said = counted(tables["verdicts"])
-    print(f"{case.name}  verdicts    {said}; {len(evidence.certificates)} certificates checked")
+    summary = counted(tables["verdicts"])
+    print(f"{case.name}  verdicts    {summary}; {len(evidence.certificates)} certificates checked")
 
 
 def counted(verdicts: Table) -> str:

@@ -161,9 +161,9 @@ def verify(crate: Path) -> tuple[list[str], list[str]]:
             raise InputError("no paper", file=str(crate), expected=OURS)
         checked = [f"{sum(map(_is_file, entities.values()))} files as described, contract {CONTRACT}"]
         for case in cases:
-            found, said = _paper(case)
+            found, summary = _paper(case)
             wrong += found
-            checked += [said] * bool(said)
+            checked += [summary] * bool(summary)
         if (folder / "results" / "report.files.csv").is_file():
             wrong += [f"all papers: {file}: {how}" for _, _, file, _, how, _ in shared_differences(folder)]
             wrong += [f"all papers: {file}: is not that of the papers"

@@ -32,10 +32,10 @@ def views(case: Case) -> None:
             topics.add(run, log)
             for made in write_views(path, layout, log):
                 derived = made.suffix == ".rrd"  # its bytes are never the same twice
-                results.made(f"logs/{made.name}", of=f"logs/{path.name}" if derived else "")
+                results.list_file(f"logs/{made.name}", of=f"logs/{path.name}" if derived else "")
             results.say(run, f"{path.with_suffix('.rrd').name} opens with its layout")
     write_atomically(case.results / "logs" / "README.md", topics.page(case.name))
-    results.made("logs/README.md")
+    results.list_file("logs/README.md")
     results.close()
 
 

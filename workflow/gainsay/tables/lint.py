@@ -50,9 +50,9 @@ def _yes_or_no_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
 
 def _holds_for_faults(claim: Claim) -> Iterator[tuple[str, str, str]]:
     """Yield the faults in what a claim holds for: a sentence that says `can` says for which inputs it is judged."""
-    said = _POSSIBLE.search(re.sub(r"\$[^$]*\$", "", claim.statement))
-    if said and not claim.holds_for and claim.kind != "remark":
-        yield "holds_for", "", f"some or every, since the sentence says {said[0]!r}"
+    possibility = _POSSIBLE.search(re.sub(r"\$[^$]*\$", "", claim.statement))
+    if possibility and not claim.holds_for and claim.kind != "remark":
+        yield "holds_for", "", f"some or every, since the sentence says {possibility[0]!r}"
     if claim.holds_for == "some" and claim.comparator not in ("equal", "at_most", "at_least", "inside"):
         yield "holds_for", "some", f"nothing or every, since {claim.comparator or 'a remark'} compares no number"
 

@@ -140,10 +140,10 @@ def parts(sentence: str) -> list[tuple[str, bool]]:
         if tex:
             found.append((tex, True))
         elif dollar or text:
-            said = "$" if dollar else text
+            output = "$" if dollar else text
             if found and not found[-1][1]:
-                said = found.pop()[0] + said
-            found.append((said, False))
+                output = found.pop()[0] + output
+            found.append((output, False))
     return found
 
 
@@ -176,10 +176,10 @@ def plain(sentence: str) -> str:
     >>> plain(r"$\lVert w_1\rVert \le \delta_1$ and $\bar{A}_{11}^{-1} > 0$")
     '||w_1|| <= delta_1 and Abar_11^-1 > 0'
     """
-    said = []
+    output = []
     for piece, is_tex in parts(sentence):
         if not is_tex:
-            said.append(piece)
+            output.append(piece)
             continue
         text = re.sub(r"\\(?:mathrm|mathbb|mathcal|operatorname|text)\{([^{}]*)\}", r"\1", piece)
         text = re.sub(r"\\(bar|hat|tilde|dot|ddot) ?(?:\{([^{}]*)\}|(\\[A-Za-z]+|\w))", r"\2\3\1", text)
@@ -189,8 +189,8 @@ def plain(sentence: str) -> str:
         text = _COMMAND.sub(lambda found: _WORDS.get(found[0], found[1] if found[1].isalpha() else found[0]), text)
         text = re.sub(r"(\|{1,2}) (?=\w)", r"\1", text)  # the blank that ends a command
         text = re.sub(r"([_^])\{([^{}]*)\}", _script, text)
-        said.append(re.sub(r" {2,}", " ", text).strip())
-    return "".join(said)
+        output.append(re.sub(r" {2,}", " ", text).strip())
+    return "".join(output)
 
 
 def check_sentences(case: Case) -> None:
