@@ -13,8 +13,8 @@ from gainsay.proof import formulas
 Value = float | np.ndarray
 TOKEN = re.compile(
     r"\s*(?P<power>\^(?:\{(?P<long>[^}]*)\}|(?P<short>\\top|\d)))"
-    r"|\s*(?P<sign>[-+/()])|\s*(?P<number>\d+)"
-    r"|\s*(?P<name>(?:\\(?:hat|bar|tilde)\{\\?[A-Za-z]+\}|\\[a-z]+|[A-Za-z])(?:_(?:\{\w+\}|\w+))?)"
+    r"|\s*\\frac\{(?P<above>[^{}]*)\}\{(?P<below>[^{}]*)\}|\s*(?P<sign>[-+/()])|\s*(?P<number>\d+)"
+    r"|\s*(?P<name>(?:\\(?:hat|bar|tilde)\{\\?[A-Za-z]+\}|\\[A-Za-z]+|[A-Za-z])(?:_(?:\{\w+\}|\w))?)"
 )
 
 
@@ -50,18 +50,19 @@ class _Reader:
             value = value / other if divided else value * other if scalar else value @ other
         return value
 
+    def _single(self, token: re.Match) -> Value:
+        if token["above"]:
+            return spelled(token["above"], self.names) / spelled(token["below"], self.names)
+        if token["number"]:
+            return float(token["number"])
+        return self.names[re.sub(r"_\{(\w+)\}$", r"_\1", token["name"])]
+
     def factor(self) -> Value:
         if self._sign("("):
             value = self.sum()
             assert self._sign(")"), "a bracket stays open"
         else:
-            token = self.tokens.pop(0)
-            name = (
-                (token["name"] or "").replace("_{", "_").removesuffix("}")
-                if "_{" in (token["name"] or "")
-                else token["name"]
-            )
-            value = float(token["number"]) if token["number"] else self.names[name]
+            value = self._single(self.tokens.pop(0))
         while self.tokens and self.tokens[0]["power"]:
             power = self.tokens.pop(0)
             value = _raised(value, power["long"] or power["short"])

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from gainsay.tables import Case, read_case
-from papers.zhang2013 import statements
+from papers.zhang2013 import derivations, statements
 from papers.zhang2013.plant import Spacecraft
+from tests.papers.latex_cells import computed, spelled
 
 ROOT = Path(__file__).resolve().parents[2]
 SECOND = Path(__file__).with_name("zhang2013_second_reading")
@@ -68,66 +69,9 @@ def test_every_claim_and_erratum_has_its_own_witness(case):
             assert witness in case.quantities or block or sign or equation or f'"{witness}"' in sources, witness
 
 
-SYMBOL = re.compile(
-    r"\\frac\{(?P<up>\d)\}\{d_M\}|\((?P<bracket>[^()]*)\)|(?P<number>\d+)|\\(?P<greek>lambda_\d|mu|gamma\^2)|"
-    r"(?P<delay>d_M)|\\(?P<accent>hat|bar)\{(?P<accented>\\?[A-Za-z]+)\}(?:_(?P<below>\{\w+\}|\w))?|"
-    r"\\(?P<capital>Pi|Omega)_(?P<index>\{\w+\}|\w)|(?P<letter>[A-Z])(?:_(?P<sub>\{\w+\}|\w))?"
-)
-
-
-def latex(text: str, names: dict) -> np.ndarray | float:
-    """Value of a sum of products as the paper writes it, juxtaposition being the product."""
-    total, term, sign, position = 0.0, None, 1.0, 0
-    text = text.strip()
-    while position < len(text):
-        if text[position] in "+- ":
-            if text[position] in "+-":
-                total, term = total + (0.0 if term is None else sign * term), None
-                sign = 1.0 if text[position] == "+" else -1.0
-            position += 1
-            continue
-        found = SYMBOL.match(text, position)
-        assert found, text[position:]
-        position = found.end()
-        transposed = text[position:].startswith(r"^{\top}")
-        position += len(r"^{\top}") * transposed
-        value = factor(found, names)
-        value = value.T if transposed else value
-        if term is None:
-            term = value
-        else:
-            scalar = np.ndim(term) == 0 or np.ndim(value) == 0
-            term = term * value if scalar else term @ value
-    return total + sign * term
-
-
-def factor(found: re.Match, names: dict) -> np.ndarray | float:
-    """Value of one factor; hats and bars of the paper are dropped from names except for Pi and Omega."""
-    if found["up"]:
-        return float(found["up"]) / names["d_M"]
-    if found["bracket"]:
-        return latex(found["bracket"], names)
-    if found["number"]:
-        return float(found["number"])
-    if found["greek"]:
-        return names[found["greek"]]
-    if found["delay"]:
-        return names["d_M"]
-    if found["capital"]:
-        return names[f"{found['capital']}_{found['index'].strip('{}')}"]
-    if found["accent"]:
-        below = (found["below"] or "").strip("{}")
-        if found["accented"].startswith("\\"):
-            return names[f"hat{found['accented'][1:]}_{below}"]
-        return names[("bar" if found["accent"] == "bar" else "") + found["accented"] + below]
-    return names[found["letter"] + (found["sub"] or "").strip("{}")]
-
-
 def define(table: str, names: dict) -> dict:
     for name, text in second_reading(table):
-        found = SYMBOL.match(name)
-        key = f"hat{found['accented'][1:]}_" if found["accent"] else f"{found['capital']}_"
-        names[key + (found["below"] or found["index"]).strip("{}")] = latex(text, names)
+        names[re.sub(r"_\{(\w+)\}$", r"_\1", name)] = spelled(text, names)
     return names
 
 
@@ -140,7 +84,7 @@ def assembled(cells: list[list[str]], names: dict, sizes: list[int]) -> np.ndarr
             if text in ("*", "0"):
                 assert (text == "*") == (j < i)
                 continue
-            block = latex(text, names)
+            block = spelled(text, names)
             block = np.eye(sizes[i]) * block if np.ndim(block) == 0 else block
             if block.shape == (1, 1) and sizes[i] == sizes[j] > 1:
                 block = block * np.eye(sizes[i])
@@ -171,10 +115,21 @@ def random_values(seed: int = 3) -> dict:
     return values
 
 
+def indexed(values: dict) -> dict:
+    """Values under the names of the second reading: hats and bars do not tell unknowns apart."""
+    names = {"I": 1.0}
+    for name, value in values.items():
+        letter, below = name[0], name[1:]
+        for spelling in (letter, rf"\hat{{{letter}}}", rf"\bar{{{letter}}}"):
+            names[f"{spelling}_{below}" if below else spelling] = value
+    return names
+
+
 def names_of(setting: dict, values: dict) -> dict:
-    """Values under the names of the second reading."""
-    renamed = {"l1": "lambda_1", "l2": "lambda_2", "g": "gamma^2"}
-    return {**values, "I": np.eye(1), **{renamed.get(name, name): value for name, value in setting.items()}}
+    """Values of data, scalars and unknowns under the names of the second reading."""
+    scalars = {r"\lambda_1": 0.6, r"\lambda_2": 0.8, r"\gamma": 1.7, r"\mu": 0.3, "d_M": 0.4}
+    matrices = {name: value for name, value in setting.items() if name[0] in "ABC"}
+    return {**indexed({**matrices, **values}), **scalars}
 
 
 SIZES = list(statements.SIZES.values())
@@ -183,62 +138,56 @@ SIZES = list(statements.SIZES.values())
 @pytest.mark.parametrize("part", ["a", "b"])
 def test_printed_theorem_2_is_what_the_second_reading_spells(setting, part):
     values = random_values()
-    names = names_of(setting, values)
-    names["P21"] = values["X"]  # the hat of P21 is the unknown X
+    # the hat of P21 is the unknown X
+    names = names_of(setting, {**values, "P21": values["X"]})
     expected = assembled(second_reading(f"eq23{part}"), define("pi23", names), SIZES)
-    found = evaluate(statements.equation_23(part).formula, setting, values)
-    np.testing.assert_allclose(found, expected, atol=1e-12)
-
-
-def test_printed_26_is_what_the_second_reading_spells(case, setting):
-    values = random_values()
-    # Pi_221 prints R1, which does not fit; R2 is read there, as statements.equation_26 says
-    names = names_of(setting, values)
-    for name, text in second_reading("pi26"):
-        if "221" in name or "222" in name:
-            text = text.replace("R_1", "R_2")
-        names["Pi_" + name[name.index("{") :].strip("{}")] = latex(text, names)
-    # Pi44, Pi66, Pi881 are those of (23), which have the same letters
-    names |= {
-        key: value
-        for key, value in define("pi23", {**names, "P21": values["X"]}).items()
-        if key in ("hatPi_44", "hatPi_66", "hatPi_881")
-    }
-    expected = assembled(second_reading("eq26a"), names, SIZES)
-    found = evaluate(statements.equation_26("a").formula, setting, values)
-    np.testing.assert_allclose(found, expected, atol=1e-12)
-
-
-def evaluate(text: str, setting: dict, values: dict) -> np.ndarray:
-    """Value of a certificate's formula at floats, by the checker's own evaluator."""
-    from fractions import Fraction
-
-    from gainsay.exact.matrix import Matrix
-    from gainsay.exact.rational import rational_matrix
-    from gainsay.proof import formulas as language
-
-    exact = {name: np.atleast_2d(value) for name, value in {**setting, **values}.items()}
-    matrices = {
-        name: Matrix(rational_matrix([[Fraction(float(x)) for x in row] for row in np.asarray(value).tolist()]))
-        for name, value in exact.items()
-    }
-    value = language.evaluate(text, matrices, None)
-    return np.array([[int(x.p) / int(x.q) for x in row] for row in value.rows()])
+    np.testing.assert_allclose(
+        computed(statements.equation_23(part).formula, {**setting, **values}), expected, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("part", ["a", "b"])
-def test_theorem_1_is_what_the_second_reading_spells(part):
+def test_printed_26_is_what_the_second_reading_spells(setting, part):
+    values = random_values()
+    # Pi44, Pi66, Pi881, Pi882 are those of (23), which have the same letters
+    names = define("pi23", names_of(setting, {**values, "P21": values["X"]})) | names_of(setting, values)
+    for name, text in second_reading("pi26"):
+        # Pi_221 and Pi_222 print R1, which does not fit; R2 is read there, as statements.equation_26 says
+        text = text.replace("R_1", "R_2") if name in (r"\Pi_{221}", r"\Pi_{222}") else text
+        names[name.replace("{", "").replace("}", "")] = spelled(text, names)
+    expected = assembled(second_reading(f"eq26{part}"), names, SIZES)
+    np.testing.assert_allclose(
+        computed(statements.equation_26(part).formula, {**setting, **values}), expected, atol=1e-12
+    )
+
+
+#: what the derivation of Theorem 1 prints: statement, its second reading, sizes of its rows
+THEOREM_1 = {
+    "eq9a": (statements.equation_9("a", {}), [3, 3, 3, 3, 2, 1]),
+    "eq9b": (statements.equation_9("b", {}), [3, 3, 3, 3, 2, 1]),
+    "eq15": (derivations.jensen("(15)", "3", "1"), [3, 3, 3]),
+    "eq16": (derivations.jensen("(16)", "1", "3"), [3, 3, 3]),
+    "eq17": (derivations.EQUATION_17, [3, 3, 3, 3]),
+    "eq22": (derivations.EQUATION_22, [3, 3, 3, 3, 2]),
+}
+
+
+@pytest.mark.parametrize("name", THEOREM_1)
+def test_theorem_1_and_its_proof_are_what_the_second_reading_spells(name):
+    statement, sizes = THEOREM_1[name]
     rng = np.random.default_rng(7)
     unknowns = {}
-    for name in ("P1", "P2", "P3", "Q1", "Q2", "R"):
+    for letter in ("P1", "P2", "P3", "Q1", "Q2", "R"):
         value = rng.normal(size=(3, 3))
-        unknowns[name] = value if name in ("P2", "P3") else value + value.T
-    shapes = {"barA": (3, 3), "barA_d": (3, 3), "barB": (3, 2), "C": (1, 3), "Cd": (1, 2)}
-    data = {name: rng.normal(size=shape) for name, shape in shapes.items()}
-    names = {**unknowns, **data, "I": np.eye(1), "d_M": 0.4, "mu": 0.3, "gamma^2": 2.89}
-    names["barAd"] = names["barA_d"]
-    cells = second_reading(f"eq9{part}")
-    expected = assembled(cells, define("omega", names), [3, 3, 3, 3, 2, 1])
-    loop = {"A_bar": data["barA"], "A_d": data["barA_d"], "B_bar": data["barB"], "C_z": data["C"], "C_d": data["Cd"]}
-    found = evaluate(statements.equation_9(part, {}).formula, {"d_M": 0.4, "mu": 0.3, "g": 2.89}, {**loop, **unknowns})
-    np.testing.assert_allclose(found, expected, atol=1e-12)
+        unknowns[letter] = value if letter in ("P2", "P3") else value + value.T
+    shapes = {"A_bar": (3, 3), "A_d": (3, 3), "B_bar": (3, 2), "C_z": (1, 3), "C_d": (1, 2)}
+    data = {letter: rng.normal(size=shape) for letter, shape in shapes.items()}
+    d_M = 1.0 if name in ("eq15", "eq16") else 0.4  # derived in units of time in which d_M = 1
+    scalars = {r"\mu": 0.3, r"\gamma": 1.7, "d_M": d_M}
+    printed = {"A": data["A_bar"], "Ad": data["A_d"], "B": data["B_bar"], "C": data["C_z"], "Cd": data["C_d"]}
+    names = define("omega", {**indexed({**unknowns, **printed}), **scalars})
+    # Omega_23 is not defined in the text (erratum omega23): it is the block (2, 3) of (9)
+    names[r"\Omega_23"] = unknowns["P3"].T @ data["A_d"]
+    values = {**unknowns, **data, "d_M": d_M, "mu": 0.3, "g": 1.7**2}
+    expected = assembled(second_reading(name), names, sizes)
+    np.testing.assert_allclose(computed(statement.formula, values), expected, atol=1e-12)
