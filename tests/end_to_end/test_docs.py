@@ -49,6 +49,21 @@ def test_every_link_leads_somewhere():
             assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
+EXCERPT = re.compile(r"<!-- excerpt of (\S+) -->\n```\w+\n(.*?)```", re.DOTALL)
+EXCERPTS = [found.groups() for page in PAGES[:4] for found in EXCERPT.finditer(page.read_text())]
+
+
+@pytest.mark.parametrize(("file", "lines"), EXCERPTS, ids=[file for file, _ in EXCERPTS])
+def test_an_excerpt_is_what_the_file_says(file, lines):
+    text = (ROOT / file).read_text()
+    # a row of a table may be cut at its end
+    assert (lines.rstrip("\n") if file.endswith(".csv") else lines) in text
+
+
+def test_there_are_excerpts_of_a_theorem_a_paper_and_a_run():
+    assert {Path(file).name for file, _ in EXCERPTS} >= {"statements.py", "claims.csv", "runs.py"}
+
+
 def test_every_kind_and_comparator_is_explained():
     assert set(KINDS) == set(get_args(Kind))
     assert set(COMPARATORS) == set(get_args(Comparator))
