@@ -19,38 +19,21 @@ AXES = ("x", "y", "z")
 
 @dataclass(frozen=True)
 class DesignModel:
-    """Model (1): dx/dt = (A + E1 Lambda(t) E2) x + B u, with position (m) and velocity (m/s) in LVLH as states.
+    """Model (1) without its uncertainty: dx/dt = A x + B u, with position (m) and velocity (m/s) in LVLH as states.
 
     Attributes
     ----------
     A : ndarray, shape (6, 6)
     B : ndarray, shape (6, 3)
-    E1, E2 : ndarray, shape (6, 6)
-        The factors of (42).
     """
 
     A: np.ndarray
     B: np.ndarray
-    E1: np.ndarray
-    E2: np.ndarray
 
 
 def design_model(case: Case) -> DesignModel:
-    """Return the model that the paper designs with: (2) and (42) at the printed n, m and e."""
-    n, e = case.number("mean_motion"), case.number("eccentricity")
-    E2 = case.matrix("E2_coefficient") * n ** case.matrix("E2_power")
-    return DesignModel(
-        clohessy_wiltshire(n),
-        thrust_input(case.number("mass")),
-        e * case.matrix("E1_over_e"),
-        np.where(case.matrix("E2_coefficient") == 0, 0.0, E2),
-    )
-
-
-def uncertainty(mean_anomaly: float) -> np.ndarray:
-    """Return Lambda of (42), 6x6, at a mean anomaly in rad."""
-    sine, cosine = math.sin(mean_anomaly), math.cos(mean_anomaly)
-    return np.diag([sine, -sine, cosine, cosine, -0.5 * cosine, cosine])
+    """Return the model that the paper designs with: (2) at the printed n and m."""
+    return DesignModel(clohessy_wiltshire(case.number("mean_motion")), thrust_input(case.number("mass")))
 
 
 def noncircular_part(eccentricity: float, rate: float, mean_anomaly: float) -> np.ndarray:

@@ -16,6 +16,7 @@ from gainsay.dynamics.relative_orbit import clohessy_wiltshire, relative_acceler
 from gainsay.tables import Case, read_case
 from papers.wan2014 import plant
 from papers.wan2014.plant import ANOMALY, COST, DELTA_V, ESTIMATE, POSITION, SQUARED_ERROR, VELOCITY, ClosedLoop
+from tests.papers.wan2014_model import model_of, uncertainty
 
 ROOT = Path(__file__).resolve().parents[2]
 CASE = read_case(ROOT, "wan2014")
@@ -54,14 +55,14 @@ def test_delta_a_is_e1_lambda_e2_as_polynomials(e, n, sine, cosine):
 
 @given(st.floats(-10, 10))
 def test_the_modules_own_matrices_satisfy_the_identity_too(anomaly):
-    model = plant.design_model(CASE)
+    model = model_of(CASE)
     e, n = CASE.number("eccentricity"), CASE.number("mean_motion")
-    product = model.E1 @ plant.uncertainty(anomaly) @ model.E2
+    product = model.E1 @ uncertainty(anomaly) @ model.E2
     np.testing.assert_allclose(product, plant.noncircular_part(e, n, anomaly), rtol=1e-12, atol=1e-20)
 
 
 def test_design_model_is_clohessy_wiltshire_with_the_printed_n():
-    model = plant.design_model(CASE)
+    model = model_of(CASE)
     np.testing.assert_array_equal(model.A, clohessy_wiltshire(1.13e-3))
     np.testing.assert_array_equal(model.B[3:], np.eye(3) / 200)
     # (42) at n = 1.13e-3, by hand: row 3 holds 2.5 n^2, n^2, n; row 4 holds 0.25 n^2 and -n

@@ -12,6 +12,7 @@ from gainsay.proof import check
 from gainsay.tables.folder import read_case
 from papers.wan2014 import conditions_digits as digits
 from papers.wan2014 import plant, proofs, searches, statements
+from tests.papers.wan2014_model import model_of
 
 ROOT = Path(__file__).parents[2]
 
@@ -23,7 +24,7 @@ def case():
 
 @pytest.fixture(scope="module")
 def model(case):
-    return plant.design_model(case)
+    return model_of(case)
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,7 @@
 """Ends of an enclosure, as a certificate proves them."""
 
 import math
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -21,3 +22,40 @@ def proved_ends(conclusion: Any) -> tuple[float, float]:
         "greater_than": (lower, math.inf),
         "inside": (lower, upper),
     }[relation]
+
+
+@dataclass(frozen=True)
+class ProvedNumber:
+    """A number that a certificate concludes on: the value, and ends, None where it proves none."""
+
+    value: float
+    lower: float | None
+    upper: float | None
+
+
+def proved_numbers(certificate: Any) -> dict[str, ProvedNumber]:
+    """What a certificate concludes on each of its quantities.
+
+    Of what is enclosed the value is the middle, of what is bounded the level that was asked for, inside the ends.
+    A yes is 1, a no is 0, without ends.
+    """
+    ends: dict[str, list[tuple[float, float]]] = {}
+    levels: dict[str, float] = {}
+    for conclusion in certificate.conclusions:
+        if not conclusion.quantity:
+            continue
+        ends.setdefault(conclusion.quantity, []).append(proved_ends(conclusion))
+        if conclusion.value is not None:
+            low, _, high = conclusion.value.partition("..")
+            if high or conclusion.quantity not in levels:
+                levels[conclusion.quantity] = float((Fraction(low) + Fraction(high or low)) / 2)
+    found = {}
+    for quantity, pairs in ends.items():
+        lower, upper = max(low for low, _ in pairs), min(high for _, high in pairs)
+        if quantity not in levels:
+            found[quantity] = ProvedNumber(lower, None, None)
+            continue
+        value = min(max(levels[quantity], lower), upper)
+        finite = [end if math.isfinite(end) else None for end in (lower, upper)]
+        found[quantity] = ProvedNumber(value, *finite)
+    return found

@@ -15,8 +15,9 @@ import numpy as np
 from gainsay.errors import ComputationError, GainsayError, InputError, one_of
 from gainsay.exact.rational import doubles_around
 from gainsay.results.broken import place_of
-from gainsay.results.ends import proved_ends
+from gainsay.results.ends import proved_numbers
 from gainsay.results.listing import derived_listing, write_listing
+from gainsay.results.published_rows import gain_rows, pole_rows
 from gainsay.results.returned import FROM_DIGITS, PARTS, UNDECIDED, read_returned
 from gainsay.tables.case import Case
 from gainsay.tables.files import remove_abandoned, write_atomically, write_csv, write_json
@@ -257,29 +258,17 @@ class Results:
             If the checker refuses the certificate, it concludes on no quantity, or a value lies outside the ends.
         """
         self.certificate(certificate)
-        ends: dict[str, list[tuple[float, float]]] = {}
-        levels: dict[str, float] = {}
-        numbers: set[str] = set()
-        for conclusion in certificate.conclusions:
-            if conclusion.quantity:
-                ends.setdefault(conclusion.quantity, []).append(proved_ends(conclusion))
-                if conclusion.value is not None:
-                    numbers.add(conclusion.quantity)
-                    low, _, high = conclusion.value.partition("..")
-                    if high or conclusion.quantity not in levels:
-                        levels[conclusion.quantity] = float((Fraction(low) + Fraction(high or low)) / 2)
-        if not ends:
+        enclosures = proved_numbers(certificate)
+        if not enclosures:
             raise ComputationError(certificate.id, "concludes on no quantity")
-        for quantity, found in ends.items():
-            lower, upper = max(low for low, _ in found), min(high for _, high in found)
-            level = levels.get(quantity, upper if math.isfinite(upper) else lower)
+        for quantity, proved in enclosures.items():
             self.quantity(
                 quantity,
-                (values or {}).get(quantity, min(max(level, lower), upper)),
+                (values or {}).get(quantity, proved.value),
                 method=f"proved by certificate {certificate.id}",
                 source=source,
-                lower=lower if math.isfinite(lower) and quantity in numbers else None,
-                upper=upper if math.isfinite(upper) and quantity in numbers else None,
+                lower=proved.lower,
+                upper=proved.upper,
             )
 
     def undecided(self, quantity: str, reason: str, *, source: str = "") -> None:
@@ -319,16 +308,7 @@ class Results:
         low, high : ndarray, optional
             Range of the entry over near-optimal solutions.
         """
-
-        def entry(array: np.ndarray | None, i: int, j: int) -> object:
-            return None if array is None else np.asarray(array)[i, j].item()
-
-        for i, row in enumerate(published.rows):
-            for j, printed in enumerate(row):
-                self._rows["gains"].append((
-                    gain, i + 1, j + 1, printed.text, float(printed.low), float(printed.high),
-                    entry(resynthesised, i, j), entry(identified, i, j), entry(low, i, j), entry(high, i, j),
-                ))  # fmt: skip
+        self._rows["gains"] += gain_rows(gain, published, resynthesised, identified, low, high)
 
     def poles(
         self, name: str, *, published: PrintedMatrix, recomputed: Sequence[complex], radius: Sequence[float]
@@ -346,10 +326,7 @@ class Results:
         radius : sequence of float, length k
             How far each may lie from there within the rounding of the printed gains, 1/s.
         """
-        for number, (row, pole, reach) in enumerate(zip(published.rows, recomputed, radius, strict=True), start=1):
-            for part, printed, value in zip(("real", "imaginary"), row, (pole.real, pole.imag), strict=True):
-                rounding = float(printed.low), float(printed.high)
-                self._rows["poles"].append((name, number, part, printed.text, *rounding, float(value), float(reach)))
+        self._rows["poles"] += pole_rows(name, published, recomputed, radius)
 
     def scan(self, scan: Any) -> None:
         """Write a scan over plausible inputs, what of it was read and scanned over, and what its inputs bear out."""

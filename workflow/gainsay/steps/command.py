@@ -11,7 +11,7 @@ from gainsay.steps.holding import hold_as_step
 from gainsay.tables import Case, find_root, read_case
 
 #: exit codes of every command
-CLEAN, DIFFERENCES, BAD_INPUT, NOT_CHECKED = 0, 1, 2, 3
+CLEAN, DIFFERENCES, BAD_INPUT = 0, 1, 2
 
 
 def refuse(error: InputError) -> int:

@@ -81,10 +81,6 @@ class Lft:
         """
         return self.M22 + self.M21 @ _loop(np.asarray(delta, dtype=float), self.M11, self.M12)
 
-    def close_below(self, gain: ArrayLike) -> np.ndarray:
-        """Close the lower loop: M11 + M12 K (I - M22 K)^-1 M21, K of shape (m, p); raises as `close` does."""
-        return self.M11 + self.M12 @ _loop(np.asarray(gain, dtype=float), self.M22, self.M21)
-
     def star(self, other: "Lft") -> "Lft":
         """Redheffer star product: the lower loop of this one closed by the upper loop of the other.
 

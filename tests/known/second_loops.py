@@ -1,0 +1,122 @@
+"""What the second judge finds of loops: where eigenvalues lie, norms, and responses under drawn uncertainty."""
+
+import mpmath as mp
+import numpy as np
+from scipy import linalg
+
+from tests.known.second_formulas import (
+    SLACK,
+    Formulas,
+    bottleneck,
+    doubles,
+    gain,
+    listed,
+    uncertainties,
+)
+
+TRIES = 3
+
+
+def hull(matrices, draw):
+    """Vertices and some points between them."""
+    weights = [[draw.random() for _ in matrices] for _ in range(TRIES)]
+    return [*matrices, *(sum(m * mp.mpf(w / sum(ws)) for m, w in zip(matrices, ws, strict=True)) for ws in weights)]
+
+
+def eigenvalues(m):
+    assert m.shape[0] == m.shape[1]
+    if len(m) == 1:
+        return [m[0, 0]]
+    return mp.eig(mp.matrix(m.tolist()), left=False, right=False)
+
+
+def lines(plain, data, draw):
+    """Kinds lyapunov, stein, unstable, eigenvalues, not_an_eigenvalue: all about where eigenvalues lie."""
+    facts, fields = (
+        {"abscissa": [], "radius": [], "stable": [], "nearest": [], "eigenvalue": [], "distance": []},
+        plain["fields"],
+    )
+    facts["matching"] = []
+    for _ in range(TRIES if "box(" in str(plain["definitions"]) + str(fields) else 1):
+        at = Formulas(plain, data, {}, draw)
+        found = listed(at, fields["matrix"])
+        for m in hull(found, draw) if len(found) > 1 else found:
+            roots = eigenvalues(m)
+            facts["abscissa"].append(max(mp.re(s) for s in roots))
+            facts["stable"].append(facts["abscissa"][-1] < 0)
+            if "shift" in fields:
+                facts["radius"].append(max(abs(s + at.number(fields["shift"])) for s in roots))
+            if "real" in fields:
+                point = mp.mpc(at.number(fields["real"]), at.number(fields["imaginary"]))
+                facts["distance"].append(min(abs(s - point) for s in roots))
+                facts["eigenvalue"].append(facts["distance"][-1] < SLACK)
+            if "points" in fields:
+                points = [mp.mpc(at.number(a), at.number(b)) for a, b in fields["points"]]
+                costs = np.array([[float(abs(s - p)) for p in points] for s in roots])
+                facts["nearest"].append(mp.mpf(costs.min()))
+                facts["matching"].append(bottleneck(costs))
+    return facts
+
+
+def norms(plain, data, draw):
+    """Kinds bounded_real, h2, norm_at_least."""
+    facts, fields = {"norm": [], "stable": []}, plain["fields"]
+    at = Formulas(plain, data, {}, draw)
+    systems = [listed(at, fields[name]) for name in ("A", "B", "C", *(["D"] if "D" in fields else []))]
+    count = max(map(len, systems))
+    for k in range(count):
+        a, b, c, *d = (doubles(s[k if len(s) > 1 else 0]) for s in systems)
+        d = d[0] if d else np.zeros((len(c), b.shape[1]))
+        facts["stable"].append(linalg.eigvals(a).real.max() < 0)
+        if plain["kind"] == "h2":
+            facts["norm"].append(mp.mpf(np.sqrt(np.trace(b.T @ linalg.solve_continuous_lyapunov(a.T, -c.T @ c) @ b))))
+        else:
+            facts["norm"].append(mp.mpf(gain(a, b, c, d)) if facts["stable"][-1] else mp.inf)
+    return facts
+
+
+def uncertain(plain, data, draw):
+    """Kinds quadratic_bound, robust_disk, robust_norm, contour: sampled over constant uncertainty."""
+    fields, at = plain["fields"], Formulas(plain, data, {}, draw)
+
+    def get(name, rows, columns):
+        return doubles(at.value(fields[name])) if name in fields else np.zeros((rows, columns))
+
+    a = doubles(at.value(fields["A"]))
+    n = len(a)
+    channels = "H" in fields
+    h = get("H", n, 1)
+    cz = get("Cz", 1, n)
+    dw = get("Dw", len(cz), h.shape[1])
+    facts = {"stable": [], "abscissa": [], "radius": [], "norm": [], "cost": []}
+    for delta in uncertainties(fields["blocks"], draw) if channels else [np.zeros((h.shape[1], len(cz)))]:
+        through = delta @ linalg.inv(np.eye(len(cz)) - dw @ delta)
+        loop = a + h @ through @ cz
+        roots = linalg.eigvals(loop)
+        facts["stable"].append(roots.real.max() < 0)
+        facts["abscissa"].append(mp.mpf(roots.real.max()))
+        if "shift" in fields:
+            facts["radius"].append(mp.mpf(np.abs(roots + float(at.number(fields["shift"]))).max()))
+        if "gamma" in fields:
+            b, c = get("B", n, 1), get("C", 1, n)
+            dd, ew, d = get("Dd", len(cz), b.shape[1]), get("Ew", len(c), h.shape[1]), get("D", len(c), b.shape[1])
+            facts["norm"].append(
+                mp.mpf(gain(loop, b + h @ through @ dd, c + ew @ through @ cz, d + ew @ through @ dd, 60))
+            )
+        if "x0" in fields:
+            starts = doubles(at.value(fields["x0"]))
+            weights = np.array([[draw.random()] for _ in starts.T])
+            x0 = (
+                starts @ (weights / weights.sum()) if draw.random() < 0.5 else starts[:, [draw.randrange(len(weights))]]
+            )
+            if "cost" in fields and roots.real.max() < 0:
+                x = linalg.solve_continuous_lyapunov(loop.T, -get("Q", n, n))
+                facts["cost"].append(mp.mpf((x0.T @ x @ x0)[0, 0]))
+            horizon = 10 / max(abs(roots.real).min(), 1e-12)
+            step = linalg.expm(loop * horizon / 400)
+            for entry in fields.get("inputs", []):
+                x, k, peak = x0, doubles(at.value(entry["row"])), 0.0
+                for _ in range(400):
+                    peak, x = max(peak, linalg.norm(k @ x)), step @ x
+                facts.setdefault(entry["of"], []).append(mp.mpf(peak))
+    return facts
