@@ -18,7 +18,8 @@ OWN = {
     "li2021": {"linear_13", "falling", "EQ12_CORRECTED"},
     "pinheiro2013": {"corrected_21"},
     "wan2014": {"_statement", "dissipation", "_of_axis", "EQ25_CORRECTED", "EQ29_CORRECTED", "EQ31_ONE_ROW", "FEEDBACK",
-                "FEEDBACK_TIMES_RHO", "START_TIMES_RHO", "THRUST_TIMES_RHO", "JOINT", "JOINT_START", "MULTIPLIERS", "DECAY"},
+                "FEEDBACK_TIMES_RHO", "START_TIMES_RHO", "THRUST_TIMES_RHO", "JOINT", "JOINT_START", "MULTIPLIERS",
+                "DECAY"},
     "zhang2013": {"without_slack", "without_block_26", "corrected_23", "corrected_26", "_nine"},
 }  # fmt: skip
 MAKERS = {"Statement", "_statement", "corrected", "sub"}
