@@ -13,7 +13,7 @@ from scipy.linalg import solve_discrete_are
 from scipy.optimize import brentq, minimize, minimize_scalar
 
 from gainsay.errors import ComputationError
-from papers.li2021.conditions_robust import MULTIPLIERS, OF_CHANNEL, SPREAD, Loop, schatten
+from papers.li2021.conditions_robust import ENOUGH, MULTIPLIERS, OF_CHANNEL, SETTLED, SPREAD, Loop, schatten
 
 
 def scaled_norm(log_scale: np.ndarray, M: np.ndarray, power: int) -> tuple[float, np.ndarray]:
@@ -25,12 +25,12 @@ def scaled_norm(log_scale: np.ndarray, M: np.ndarray, power: int) -> tuple[float
     return value, SPREAD.T @ (part.sum(1) - part.sum(0))
 
 
-def best_scaling(M: np.ndarray, start: np.ndarray | None = None) -> tuple[float, np.ndarray]:
+def best_scaling(M: np.ndarray, start: np.ndarray | None = None, stop: float = SETTLED) -> tuple[float, np.ndarray]:
     """Least largest singular value of E M E^-1 over the scalings, nearly, and the logarithms that give it."""
     x = np.zeros(MULTIPLIERS) if start is None else start
     for power in (4, 12, 40, 120):
-        found = minimize(scaled_norm, x, args=(M, power), jac=True, method="L-BFGS-B", options={"maxiter": 300})
-        x = found.x
+        options = {"maxiter": 300, "ftol": stop}
+        x = minimize(scaled_norm, x, args=(M, power), jac=True, method="L-BFGS-B", options=options).x
     e = np.exp(x[OF_CHANNEL])
     return float(np.linalg.norm(e[:, None] * M / e, 2)), x
 
@@ -121,7 +121,8 @@ def cover(
     while ends[-1] < 1:
         low = ends[-1]
         high = round(min(1.0, low + width), 6)
-        value, scale = best_scaling(form.response(-a + b * np.exp(0.5j * np.pi * (low + high))), last)
+        middle = -a + b * np.exp(0.5j * np.pi * (low + high))
+        value, scale = best_scaling(form.response(middle), last, ENOUGH)
         if _reaches(form, a, b, scale, low, high) < 1 - room * (1 - value):
             ends.append(high)
             scales.append(scale)

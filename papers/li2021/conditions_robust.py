@@ -20,6 +20,8 @@ MULTIPLIERS = 25
 #: multiplier that each channel uses
 OF_CHANNEL = np.array([*range(12), 12, 12, 12, *range(13, 25)])
 SPREAD = np.eye(MULTIPLIERS)[OF_CHANNEL]
+#: relative change of a norm at which a descent over scalings stops: at its end, and where any scaling with room will do
+SETTLED, ENOUGH = 2.2e-9, 1e-6
 
 
 @dataclass(frozen=True)
@@ -58,22 +60,6 @@ class Loop:
             C=self.C @ T,
             T=T,
             channel=c,
-        )
-
-    def rescaled(self, P: np.ndarray, multipliers: np.ndarray) -> "Loop":
-        """The same loop in coordinates in which a Lyapunov matrix P and multipliers become identities."""
-        T = np.linalg.inv(np.linalg.cholesky(P).T)
-        inv, c = np.linalg.inv(T), 1 / np.sqrt(multipliers[OF_CHANNEL])
-        return Loop(
-            A=inv @ self.A @ T,
-            H=inv @ self.H * c,
-            B=inv @ self.B,
-            Cz=self.Cz @ T / c[:, None],
-            Dw=self.Dw * c / c[:, None],
-            Dd=self.Dd / c[:, None],
-            C=self.C @ T,
-            T=self.T @ T,
-            channel=self.channel * c,
         )
 
     def response(self, z: complex) -> np.ndarray:
@@ -142,7 +128,7 @@ def schatten(matrices: np.ndarray, power: int) -> tuple[float, np.ndarray]:
     return value, value / (total * size) * np.concatenate(along)
 
 
-def shared_scaling(responses: np.ndarray, fixed: int = 0) -> tuple[float, np.ndarray]:
+def shared_scaling(responses: np.ndarray, fixed: int = 0, stop: float = SETTLED) -> tuple[float, np.ndarray]:
     """One scaling for many responses: the least maximum of their scaled norms, nearly, and its 25 logarithms.
 
     Parameters
@@ -150,6 +136,8 @@ def shared_scaling(responses: np.ndarray, fixed: int = 0) -> tuple[float, np.nda
     responses : ndarray of complex, shape (m, 27 + fixed, 27 + fixed)
     fixed : int, optional
         Further channels at the end that are not scaled.
+    stop : float, optional
+        Relative change of the norm at which the descent stops.
     """
     spread = np.vstack([SPREAD, np.zeros((fixed, MULTIPLIERS))])
 
@@ -162,7 +150,8 @@ def shared_scaling(responses: np.ndarray, fixed: int = 0) -> tuple[float, np.nda
 
     x = np.zeros(MULTIPLIERS)
     for power in (4, 10, 30, 100):
-        x = minimize(smooth, x, args=(power,), jac=True, method="L-BFGS-B", options={"maxiter": 400}).x
+        options = {"maxiter": 400, "ftol": stop}
+        x = minimize(smooth, x, args=(power,), jac=True, method="L-BFGS-B", options=options).x
     e = np.exp(spread @ x)
     return float(np.linalg.norm(e[:, None] * responses / e, 2, axis=(1, 2)).max()), x
 
@@ -170,14 +159,14 @@ def shared_scaling(responses: np.ndarray, fixed: int = 0) -> tuple[float, np.nda
 AXIS = np.array([0, 0.01, 0.02, 0.05, 0.08, *np.arange(0.1, 0.6, 0.025), 0.7, 0.8, 1, 1.3, 1.7, 2.5, 5, 20])
 
 
-def norm_scaling(form: Loop, gamma: float) -> tuple[float, np.ndarray]:
+def norm_scaling(form: Loop, gamma: float, stop: float = SETTLED) -> tuple[float, np.ndarray]:
     """One scaling for the norm condition at gamma: the scaled norm on the imaginary axis, and its logarithms."""
     right, out = np.hstack([form.H, form.B]), np.vstack([form.Cz, form.C / gamma])
     through = np.block([[form.Dw, form.Dd], [np.zeros((3, 30))]])
     inner = np.linalg.solve(
         1j * AXIS[:, None, None] * np.eye(12) - form.A, np.broadcast_to(right, (len(AXIS), *right.shape))
     )
-    return shared_scaling(out @ inner + through, fixed=3)
+    return shared_scaling(out @ inner + through, fixed=3, stop=stop)
 
 
 def norm_riccati(form: Loop, log_scale: np.ndarray, gamma: float) -> tuple[np.ndarray, np.ndarray]:

@@ -11,14 +11,12 @@ import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
 from gainsay.errors import ComputationError
-from gainsay.lmi import solve
 from gainsay.proof import Certificate, build
 from gainsay.tables import Case
 from papers.li2021 import conditions_arcs as arcs
 from papers.li2021 import conditions_robust as robust
 from papers.li2021 import plant
 from papers.li2021.statements import PLANT, UNCERTAIN
-from papers.li2021.statements_torque import least_torque
 
 #: (10) in linear fractional form; dm is the bound on the gain variation
 CHANNELS = (
@@ -91,26 +89,25 @@ def norm_evidence(case: Case, form: robust.Loop) -> tuple[np.ndarray, np.ndarray
     Both in the coordinates of the loop, which is to be balanced.
     """
     gamma = case.number("gamma") * 0.9995
-    value, logs = robust.norm_scaling(form, gamma)
+    value, logs = robust.norm_scaling(form, gamma, robust.ENOUGH)
     if value >= 1:
         raise ComputationError("norm", f"scaled norm {value:.4f}, below 1 expected")
     return robust.norm_riccati(form, logs, gamma)
 
 
 def torque_evidence(
-    case: Case, gains: plant.Gains, delta_m: float, form: robust.Loop
+    case: Case, gains: plant.Gains, delta_m: float, form: robust.Loop, norm: tuple[np.ndarray, np.ndarray]
 ) -> tuple[tuple[np.ndarray, np.ndarray], float]:
     """P and multipliers of the torque condition, and the bound on the torque that they give, N m.
 
-    The loop in coordinates in which a solution of the norm condition is the identity (`Loop.rescaled`): a multiple of
-    it tells the sizes, so that one round of the solver is enough; any point below u_max will do.
+    Those of the norm condition times one number, all in the coordinates of the loop: with d~ = 0 they say that
+    xi' P xi falls, and P only has to lie above k' k. The least bound is lower; any below u_max will do.
     """
-    start, output = np.linalg.solve(form.T, start_state(case)), torque_output(gains, delta_m) @ form.T
-    size = float(np.linalg.norm(output, 2) ** 2)
-    near = {"P": size * np.eye(12), **{f"d{i}": size for i in range(robust.MULTIPLIERS)}}
-    data = {"A": form.A, "H": form.H, "Cz": form.Cz, "Dw": form.Dw, "k": output, "x0": start[:, None]}
-    found = solve(least_torque(data, robust.OF_CHANNEL).program(), near=near, rounds=1).need("torque")
-    return robust.original(form, found.values), float(np.sqrt(found.objective))
+    P, multipliers = norm
+    output = torque_output(gains, delta_m) @ form.T
+    size = 1.001 * float(np.linalg.eigvalsh(output @ np.linalg.solve(P, output.T))[-1])
+    start = np.linalg.solve(form.T, start_state(case))
+    return (size * P, size * multipliers), float(np.sqrt(size * start @ P @ start))
 
 
 def back(form: robust.Loop, P: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -128,7 +125,8 @@ def gather(case: Case, gains: plant.Gains, delta_m: float, one_matrix: bool = Fa
     if one_matrix:
         responses = np.array([form.response(-a + b * np.exp(1j * t)) for t in np.linspace(0, np.pi, 181)])
         ends: list[float] = []
-        P, d = back(form, *arcs.one_matrix(form, a, b, robust.shared_scaling(responses)[1]))
+        shared = robust.shared_scaling(responses, stop=robust.ENOUGH)[1]
+        P, d = back(form, *arcs.one_matrix(form, a, b, shared))
         scales = d[None]
     else:
         ends, logs = arcs.cover(form, a, b)
@@ -136,10 +134,10 @@ def gather(case: Case, gains: plant.Gains, delta_m: float, one_matrix: bool = Fa
         P = solve_discrete_lyapunov(moved.T, np.eye(12))
         scales = np.array([back(form, P, np.exp(2 * x))[1] for x in logs])
     norm = norm_evidence(case, form)
-    torque, bound = torque_evidence(case, gains, delta_m, form.rescaled(*norm))
+    torque, bound = torque_evidence(case, gains, delta_m, form, norm)
     if bound >= case.number("u_max"):
         raise ComputationError("torque", f"bound {bound:.4f} N m at delta_m {delta_m}, u_max expected")
-    return Evidence(delta_m, ends, P, scales, back(form, *norm), torque)
+    return Evidence(delta_m, ends, P, scales, back(form, *norm), back(form, *torque))
 
 
 def _witness(part: str, P: np.ndarray, multipliers: np.ndarray) -> dict:

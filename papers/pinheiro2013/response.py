@@ -103,8 +103,10 @@ def stages(poles: np.ndarray, length: float, step: float = np.inf) -> list[tuple
 def _largest(pieces: Sequence[tuple[float, Response]], output: np.ndarray) -> Peak:
     """Largest modulus of a linear output over responses that begin one after another."""
     found = Peak(0.0, 0.0)
+    # The largest sample of all first: most turns cannot exceed it, and are not located.
+    sampled = max(float(np.abs(response.states @ output).max()) for _, response in pieces)
     for begin, response in pieces:
-        peak = response.peak(output, abs(found.value))
+        peak = response.peak(output, max(sampled, abs(found.value)))
         if abs(peak.value) > abs(found.value):
             found = Peak(begin + peak.time, peak.value)
     return found

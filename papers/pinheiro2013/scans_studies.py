@@ -178,21 +178,28 @@ class Designs:
 
         return per_axis(measure)
 
+    @cached_property
+    def h2_gains(self) -> dict[str, np.ndarray]:
+        """Gain of the H2 limit by group."""
+        return {group: mixed.h2_gain(plant)[0] for group, plant in self.plants.items()}
+
     def gamma_min(self) -> float:
         """Infimum of the level over all axes, for the input w as read."""
         return max(mixed.gamma_min(plant) for plant in self.plants.values())
 
     def h2_limit_meets(self, gamma: float) -> list[bool]:
         """Say of each group of axes whether the gain of the H2 limit meets a level, by its Riccati equation."""
-        gains_of_limit = ((plant, mixed.h2_gain(plant)[0]) for plant in self.plants.values())
-        return [bool(np.isfinite(mixed.trace_of_gain(plant, K, gamma))) for plant, K in gains_of_limit]
+        return [
+            bool(np.isfinite(mixed.trace_of_gain(plant, self.h2_gains[group], gamma)))
+            for group, plant in self.plants.items()
+        ]
 
     def h2_excess(self) -> float:
         """Excess of the H2 norm at gamma = 100 over its optimum, the larger of the two groups."""
         found = []
         for group, plant in self.plants.items():
             norms = []
-            for K in (self.gains["h2", group], mixed.h2_gain(plant)[0]):
+            for K in (self.gains["h2", group], self.h2_gains[group]):
                 A, B, _, _, C2 = plant.closed(K)
                 norms.append(h2_norm(A, B, C2))
             found.append(norms[0] / norms[1] - 1)

@@ -11,7 +11,7 @@ from gainsay.results import Results, task
 from gainsay.simulation.batch import Segment, polished_crossing, polished_peak, segments
 from gainsay.simulation.ode import Trajectory, largest, last_crossing
 from gainsay.tables import Case
-from gainsay.verdicts.scan import corners, plausible, sample, scan
+from gainsay.verdicts.scan import corners, plausible, sample, scans
 from papers.wan2014.plant import ESTIMATE, POSITION, VELOCITY, ClosedLoop
 
 #: the transient in which the largest thrust falls whatever the start, s
@@ -213,14 +213,13 @@ def over_starts(case: Case, results: Results) -> None:
 
     fly([*sample(inputs, SAMPLES, 0), *corners(inputs)])
     exact = one(1.0, 1.0)
-    for quantity, read in READINGS.items():
 
-        def together(points: Sequence[Mapping], read: Callable = read) -> list[float]:
-            return [read(flight, exact) for flight in fly(points)]
+    def together(points: Sequence[Mapping]) -> list[dict[str, float]]:
+        return [{quantity: read(flight, exact) for quantity, read in READINGS.items()} for flight in fly(points)]
 
-        found = scan(case, quantity, inputs, samples=SAMPLES, together=together, parts=32)
+    for found in scans(case, list(READINGS), inputs, samples=SAMPLES, together=together, parts=32):
         results.scan(found)
-        results.say(f"{quantity}, over the starts", found.note)
+        results.say(f"{found.quantity}, over the starts", found.note)
     measured = one(1.0, 0.0)
     results.quantity(
         "audit.thrust_ratio",

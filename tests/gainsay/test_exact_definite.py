@@ -158,3 +158,17 @@ def test_eigenvalues_of_a_companion_matrix():
 def test_repeated_eigenvalues_are_refused():
     with pytest.raises(ArithmeticError, match="separated"):
         eigenvalues(arb_mat([[1, 1], [0, 1]]))
+
+
+@pytest.mark.parametrize("size", [7, 8, 20, 27])
+def test_a_large_hermitian_matrix_turns_at_its_least_eigenvalue(size):
+    x = np.random.default_rng(size).normal(size=(2, size, size))
+    x = x[0] + 1j * x[1]
+    h = x + x.conj().T
+    least = np.linalg.eigvalsh(h)[0]
+    for shift, holds in ((least - 1e-6, True), (least + 1e-6, False)):
+        shifted = h - shift * np.eye(size)
+        # the upper triangle and the imaginary parts of the diagonal are not read
+        given_ = [[acb(z.real, z.imag) if j < i else acb(z.real, 9) if i == j else acb(9) for j, z in enumerate(row)]
+                  for i, row in enumerate(shifted)]  # fmt: skip
+        assert hermitian_positive_definite(acb_mat(given_)) == holds

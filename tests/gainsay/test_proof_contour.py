@@ -1,9 +1,13 @@
 """The contour kind against closed forms; fields that a proof would pass over."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from flint import acb_mat, arb, fmpq
 from scipy import linalg
 
+from gainsay.proof.kinds import contour
 from tests.gainsay.proof_examples import SIMPLE, SYSTEM, A, I, make, proved, refused
 
 
@@ -57,6 +61,45 @@ def test_contour_uses_that_a_parameter_is_real():
     refused("contour", fields, {**witness, "g": [["-10"]]})
     refused("contour", {**fields, "H": "col(0, 1.1)"}, witness)  # unstable at lambda = -1
     refused("contour", {**fields, "blocks": [["full", 1, 1]]}, witness)
+
+
+@pytest.mark.parametrize("scale", ["0.7", "1.9"])
+def test_contour_sees_a_peak_between_the_ends_of_an_arc(scale):
+    # |1/(1 - w^2 + 0.02 i w)| is at most 1/(0.02 sqrt(1 - 0.0001)) = 50.0025, near w = 1 alone; far below it elsewhere
+    plant = np.array([[0.0, 1.0], [-1.0, -0.02]])
+    fields = {"A": "[[0, 1], [-1, -0.02]]", "Cz": "row(1, 0)", "blocks": [["full", 1, 1]], "arcs": ["0", "1"],
+              "alpha": "0", "scale": scale}  # fmt: skip
+    witness = {"P": linalg.solve_continuous_lyapunov(plant.T, -I), "d": [["1"]]}
+    assert ("stable", "holds", None) in proved(make("contour", {**fields, "H": "col(0, 0.01999)"}, witness))
+    assert "arc 1" in refused("contour", {**fields, "H": "col(0, 0.02001)"}, witness)
+
+
+@pytest.mark.parametrize(("shift", "end"), [("0.9", "left"), ("1.1", "right")])
+def test_contour_sees_both_ends_of_the_boundary(shift, end):
+    # 1/(s + 1) on |s + a| = 1 is largest, 1/0.9, at the end of the half circle that is nearest to -1, and there alone
+    fields = {"A": "-1", "Cz": "1", "blocks": [["full", 1, 1]], "arcs": ["0", "1"], "shift": shift, "radius": "1"}
+    assert ("radius", "less_than", "1") in proved(make("contour", {**fields, "H": "0.8999"}, {"P": "1", "d": "1"}))
+    assert "arc 1" in refused("contour", {**fields, "H": "0.900001"}, {"P": "1", "d": "1"})
+
+
+def arc_with(*forms):
+    """An arc whose form at t = 0, 1, ... is known."""
+    arc = contour._Arc.__new__(contour._Arc)
+    arc.known, arc.exceeded = {t: (None, acb_mat([[form]])) for t, form in enumerate(forms)}, {}
+    arc.form_unit, arc.skew, arc.plant = acb_mat([[1]]), None, SimpleNamespace(a=acb_mat([[0]]))
+    return arc
+
+
+def test_a_margin_that_was_proved_at_an_end_is_no_larger_one():
+    arc = arc_with(2)
+    assert [arc._exceeds(0, arb(loss)) for loss in (1, 3, 0.5, 1.5)] == [True, False, True, True]
+
+
+def test_the_form_at_both_ends_of_a_piece_exceeds_what_lies_off_the_chord(monkeypatch):
+    # off the chord by 1/10: 2/10 + 1/100 may be taken away
+    monkeypatch.setattr(contour._Arc, "_from_chord", lambda self, low, high: arb(fmpq(1, 10)))
+    for forms, holds in (((0.22, 0.22), True), ((0.22, 0.2), False), ((0.2, 0.22), False)):
+        assert arc_with(*forms)._whole(0, 1) == holds
 
 
 def test_contour_bounds_a_norm_for_every_parameter():

@@ -17,9 +17,9 @@ Y = Plausible("y", "1", 0.01, 100.0, logarithmic=True)
 WORD = Plausible("word", values=("small", "large"))
 
 
-def claim(comparator, published, name="claim"):
+def claim(comparator, published, name="claim", quantity="value"):
     return Claim(
-        id=name, where="(1)", kind="ordering", statement="s", comparator=comparator, quantity="value",
+        id=name, where="(1)", kind="ordering", statement="s", comparator=comparator, quantity=quantity,
         published=published, unit="1", tolerance="", expected="reproduced", basis="b", note="",
     )  # fmt: skip
 
@@ -150,6 +150,24 @@ def test_points_evaluated_together_give_the_same_scan_and_a_boundary_as_narrow()
     assert abs(edge.holds - edge.fails) <= 2e-3 * 100  # a thousandth of the wider range
     with pytest.raises(ComputationError, match="not a number"):
         scanned(None, together=lambda points: [math.nan] * len(points))
+
+
+def test_scans_ask_for_what_they_need_next_in_one_list():
+    def together(points):
+        calls.append(len(points))
+        return [{"of.x": point["x"], "of.y": point["x"] - 0.01 * point["y"]} for point in points]
+
+    claims = {"of.x": claim("at_most", "4", quantity="of.x"), "of.y": claim("at_least", "4.2", quantity="of.y")}
+    case, calls = SimpleNamespace(claims=claims), []
+    found = scans(case, list(claims), (X, Y), together=together, parts=4)
+    rounds = len(calls)
+    for one in found:
+        alone = scan(case, one.quantity, (X, Y), parts=4, together=lambda points, of=one.quantity: [
+            row[of] for row in together(points)])  # fmt: skip
+        assert one == alone and alone.crossings
+    assert calls[0] == 256 + len(corners((X, Y))) and rounds < len(calls) - rounds
+    with pytest.raises(ComputationError, match=r"of\.y: scan broke .* not a number"):
+        scans(case, list(claims), (X, Y), lambda point: {"of.x": 1.0, "of.y": math.nan})
 
 
 def test_what_a_scan_says_follows_the_threshold_of_the_claim_without_a_new_scan():

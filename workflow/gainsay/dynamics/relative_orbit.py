@@ -135,8 +135,10 @@ def _triple(values: Iterable[Any], field: str) -> tuple[Any, Any, Any]:
         x, y, z = values
     except (TypeError, ValueError) as error:
         raise InputError("", field=field, value=type(values).__name__, expected="three numbers or arrays") from error
-    if not all(isinstance(part, Real | np.ndarray) for part in (x, y, z)):
-        raise InputError("", field=field, value=(x, y, z), expected="three numbers or arrays")
+    for part in (x, y, z):
+        # the abstract class last: it is the slowest to ask, and this is asked at every step of an integrator
+        if not isinstance(part, (float, np.ndarray, Real)):
+            raise InputError("", field=field, value=(x, y, z), expected="three numbers or arrays")
     return x, y, z
 
 
@@ -165,13 +167,17 @@ def differential_gravity(
     -mu / (r^3 (1 + f)) (d - f r).
     """
     _require_positive(gravitational_parameter=gravitational_parameter, radius=radius)
-    x, y, z = _triple((x, y, z), "position")
+    return _differential_gravity(gravitational_parameter, radius, *_triple((x, y, z), "position"))
+
+
+def _differential_gravity(mu: float, radius: float, x: Any, y: Any, z: Any) -> tuple[Any, Any, Any]:
+    """The same of numbers that have been looked at."""
     q = (x * (x + 2 * radius) + y * y + z * z) / radius**2
     if not isinstance(q, np.ndarray) and 1 + q <= 0:
         raise InputError("", field="position", value=(x, y, z), expected="a place away from the Earth's centre")
     cube = (1 + q) * (np.sqrt(1 + q) if isinstance(q, np.ndarray) else math.sqrt(1 + q))
     f = q * (3 + 3 * q + q * q) / (1 + cube)
-    factor = -gravitational_parameter / (radius**3 * cube)
+    factor = -mu / (radius**3 * cube)
     # mu/r^2 - mu r/rc^3 = mu/r^2 (1 - 1/cube) = mu/r^2 f/cube
     return factor * (x - f * radius), factor * y, factor * z
 
@@ -198,7 +204,7 @@ def relative_acceleration(
     x, y, z = _triple(position, "position")
     vx, vy, _ = _triple(velocity, "velocity")
     radius, rate, spin = orbit.frame_motion(true_anomaly)
-    gx, gy, gz = differential_gravity(orbit.gravitational_parameter, radius, x, y, z)
+    gx, gy, gz = _differential_gravity(orbit.gravitational_parameter, radius, x, y, z)
     return (
         gx + rate * rate * x + 2 * rate * vy + spin * y,
         gy + rate * rate * y - 2 * rate * vx - spin * x,

@@ -21,6 +21,9 @@ __all__ = [
     "rational_positive_definite",
 ]
 
+#: half of the size below which a Hermitian matrix is factorised as a whole
+_SMALL = 4
+
 
 def is_symmetric(matrix: fmpq_mat) -> bool:
     """Whether a rational matrix equals its transpose."""
@@ -157,20 +160,46 @@ def ball_positive_definite(matrix: arb_mat) -> bool:
 
 
 def hermitian_positive_definite(matrix: acb_mat) -> bool:
-    """Prove by Cholesky that every Hermitian matrix enclosed by a complex ball matrix is positive definite.
+    """Prove that every Hermitian matrix enclosed by a complex ball matrix is positive definite.
 
-    The lower triangle is read; the imaginary parts of the diagonal, zero in a Hermitian matrix, are not.
+    By Cholesky; a large one by halves, the second of which is the Schur complement of the first: most of the work is
+    then a product of matrices. The lower triangle is read; the imaginary parts of the diagonal, zero in a Hermitian
+    matrix, are not.
     """
-    rows = matrix.tolist()
+    return _hermitian(matrix.tolist())
+
+
+def _hermitian(rows: list[list[acb]]) -> bool:
+    half = len(rows) // 2
+    if half < _SMALL:
+        return _hermitian_cholesky(rows)
+    whole = acb_mat(
+        [
+            [acb(rows[i][i].real) if i == j else rows[i][j] if j < i else rows[j][i].conjugate() for j in range(half)]
+            for i in range(half)
+        ]
+    )
+    if not _hermitian(whole.tolist()):
+        return False
+    below = acb_mat([row[:half] for row in rows[half:]])
+    try:
+        taken = below * whole.solve(below.conjugate().transpose(), algorithm="lu")
+    except ZeroDivisionError:
+        return False
+    rest = acb_mat([row[half:] for row in rows[half:]]) - taken
+    return _hermitian(rest.tolist())
+
+
+def _hermitian_cholesky(rows: list[list[acb]]) -> bool:
     factor: list[list[acb]] = []
+    conjugates: list[list[acb]] = []
     for i, row in enumerate(rows):
         line: list[acb] = []
         for j in range(i):
             entry = row[j]
-            other = factor[j]
-            for k in range(j):
-                entry = entry - line[k] * other[k].conjugate()
-            line.append(entry / other[j])
+            for known, other in zip(line, conjugates[j], strict=False):
+                entry = entry - known * other
+            line.append(entry / factor[j][j])
         pivot = row[i].real
         for entry in line:
             pivot = pivot - entry.real * entry.real - entry.imag * entry.imag
@@ -178,6 +207,7 @@ def hermitian_positive_definite(matrix: acb_mat) -> bool:
             return False
         line.append(acb(pivot.sqrt()))
         factor.append(line)
+        conjugates.append([x.conjugate() for x in line[:-1]])
     return True
 
 

@@ -1,6 +1,7 @@
 """Rerun blueprint made from a `Layout`. Imports rerun: see `gainsay.logs.drawing`."""
 
 from collections import defaultdict
+from collections.abc import Mapping
 from typing import Any
 
 import rerun as rr
@@ -8,7 +9,7 @@ import rerun.blueprint as rrb
 from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 
 from gainsay.logs.drawing import TIMELINE, text_path
-from gainsay.logs.eye import eye_of
+from gainsay.logs.eye import Eye
 from gainsay.logs.layout import (
     EVENT_TOPIC,
     Columns,
@@ -30,9 +31,9 @@ from gainsay.logs.schemas import signal_schema
 _GROUND = [20, 22, 26]
 
 
-def blueprint(layout: Layout, log: Log) -> rrb.Blueprint:
+def blueprint(layout: Layout, log: Log, eyes: Mapping[Scene, Eye]) -> rrb.Blueprint:
     """Blueprint of a layout for one log: tabs as declared, the first open, time from 0, nothing else open."""
-    tabs = [_item(tab.content, log, tab.title) for tab in layout.tabs]
+    tabs = [_item(tab.content, log, eyes, tab.title) for tab in layout.tabs]
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=0) if len(tabs) > 1 else tabs[0],
         rrb.TimePanel(
@@ -45,19 +46,19 @@ def blueprint(layout: Layout, log: Log) -> rrb.Blueprint:
     )
 
 
-def _item(item: Item, log: Log, title: str = "") -> rrb.View | rrb.Container:
+def _item(item: Item, log: Log, eyes: Mapping[Scene, Eye], title: str = "") -> rrb.View | rrb.Container:
     view: rrb.View
     match item:
         case Rows():
-            parts = [_item(part, log) for part in item.items]
+            parts = [_item(part, log, eyes) for part in item.items]
             return rrb.Vertical(*parts, row_shares=list(item.shares), name=title or None)
         case Columns():
-            parts = [_item(part, log) for part in item.items]
+            parts = [_item(part, log, eyes) for part in item.items]
             return rrb.Horizontal(*parts, column_shares=list(item.shares), name=title or None)
         case Plot():
             view = _plot(item, log)
         case Scene():
-            view = _scene(item, log)
+            view = _scene(item, eyes[item])
         case Text():
             view = rrb.TextDocumentView(origin=text_path(item.title), name=item.title)
         case EventLog():
@@ -110,11 +111,10 @@ def _plot(plot: Plot, log: Log) -> rrb.TimeSeriesView:
     )
 
 
-def _scene(scene: Scene, log: Log) -> rrb.Spatial3DView:
-    place, target = eye_of(scene, log)
-    eye: dict[str, Any] = {"position": place, "look_target": target, "eye_up": (0.0, 0.0, 1.0)}
+def _scene(scene: Scene, eye: Eye) -> rrb.Spatial3DView:
+    look: dict[str, Any] = {"position": eye.place, "look_target": eye.target, "eye_up": (0.0, 0.0, 1.0)}
     if scene.follow:
-        eye["tracking_entity"] = f"/scene/axes_{scene.follow}/origin"
+        look["tracking_entity"] = f"/scene/axes_{scene.follow}/origin"
     return rrb.Spatial3DView(
         name=scene.title,
         origin="/",
@@ -122,5 +122,5 @@ def _scene(scene: Scene, log: Log) -> rrb.Spatial3DView:
         background=_GROUND,
         line_grid=rrb.LineGrid3D(visible=False),
         spatial_information=rrb.SpatialInformation(target_frame=scene.frame, show_axes=False),
-        eye_controls=rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, **eye),
+        eye_controls=rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, **look),
     )

@@ -1,11 +1,11 @@
 """Where the camera of a scene stands."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from gainsay.logs.layout import Scene
+from gainsay.logs.layout import Layout, Scene
 from gainsay.logs.reader import Log
 
 #: half the angle that a square picture shows, rad: a little less than the narrower of the viewers' own
@@ -17,6 +17,11 @@ class Eye(NamedTuple):
 
     place: tuple[float, float, float]
     target: tuple[float, float, float]
+
+
+def eyes_of(layout: Layout, log: Log) -> Mapping[Scene, Eye]:
+    """Return the camera of every scene of a layout: each looks at all that is drawn, which is done once for a log."""
+    return {panel: eye_of(panel, log) for panel in layout.panels() if isinstance(panel, Scene)}
 
 
 def eye_of(scene: Scene, log: Log) -> Eye:

@@ -4,9 +4,10 @@ Text pages are left out: the open viewers have no panel for text.
 """
 
 import json
+from collections.abc import Mapping
 from math import acos, atan2, degrees, hypot
 
-from gainsay.logs.eye import Eye, eye_of
+from gainsay.logs.eye import Eye, eyes_of
 from gainsay.logs.layout import (
     Columns,
     EventLog,
@@ -27,7 +28,7 @@ from gainsay.logs.reader import Log
 _NARROW = 1.35
 
 
-def foxglove_layout(layout: Layout, log: Log) -> str:
+def foxglove_layout(layout: Layout, log: Log, eyes: Mapping[Scene, Eye] | None = None) -> str:
     """JSON text of the layout, importable in Lichtblick and Foxglove.
 
     Parameters
@@ -35,14 +36,17 @@ def foxglove_layout(layout: Layout, log: Log) -> str:
     layout : Layout
     log : Log
         A log the layout is for; tells which sides each bound has.
+    eyes : mapping of Scene to Eye, optional
+        The cameras, where they are known from `eyes_of`.
     """
-    return json.dumps(_Builder(log).build(layout), indent=1, sort_keys=True) + "\n"
+    eyes = eyes_of(layout, log) if eyes is None else eyes
+    return json.dumps(_Builder(log, eyes).build(layout), indent=1, sort_keys=True) + "\n"
 
 
 class _Builder:
-    def __init__(self, log: Log) -> None:
+    def __init__(self, log: Log, eyes: Mapping[Scene, Eye]) -> None:
         self.sides = {name: tuple(sides) for name, sides in log.bounds.items()}
-        self.log, self.duration = log, log.duration
+        self.log, self.duration, self.eyes = log, log.duration, eyes
         self.panels: dict[str, dict] = {}
 
     def build(self, layout: Layout) -> dict:
@@ -140,7 +144,7 @@ class _Builder:
             "transforms": {},
             "topics": {topic: {"visible": True} for topic in scene.topics},
             "layers": {},
-            "cameraState": _camera(eye_of(scene, self.log)),
+            "cameraState": _camera(self.eyes[scene]),
         }
 
 

@@ -5,12 +5,14 @@ Both are made from the log and the one `Layout`, and are never hashed or compare
 
 import re
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 from gainsay.errors import InputError
 from gainsay.logs.check import check_layout
+from gainsay.logs.eye import Eye, eyes_of
 from gainsay.logs.foxglove import foxglove_layout
-from gainsay.logs.layout import Layout
+from gainsay.logs.layout import Layout, Scene
 from gainsay.logs.quiet import call, quiet
 from gainsay.logs.reader import Log, read_log
 
@@ -45,13 +47,14 @@ def write_views(mcap: Path, layout: Layout, log: Log | None = None) -> list[Path
     check_layout(fitted, log)
     rrd, foxglove = mcap.with_suffix(".rrd"), mcap.with_suffix(FOXGLOVE_SUFFIX)
     part = foxglove.with_name(f".{foxglove.name}.part")
-    part.write_text(foxglove_layout(fitted, log))
+    eyes = eyes_of(fitted, log)
+    part.write_text(foxglove_layout(fitted, log, eyes))
     part.replace(foxglove)
-    write_rrd(mcap, fitted, log, rrd)
+    _write_rrd(mcap, fitted, log, eyes, rrd)
     return [rrd, foxglove]
 
 
-def write_rrd(mcap: Path, layout: Layout, log: Log, rrd: Path) -> None:
+def _write_rrd(mcap: Path, layout: Layout, log: Log, eyes: Mapping[Scene, Eye], rrd: Path) -> None:
     """Write the ``.rrd``: the converted log, its drawings and text pages, and the blueprint in one file."""
     application, recording = f"gainsay_{layout.name}", mcap.stem
     if not re.fullmatch("[a-z0-9_]+", recording):
@@ -76,7 +79,7 @@ def write_rrd(mcap: Path, layout: Layout, log: Log, rrd: Path) -> None:
             draw(layout, log, stream)
             stream.flush()
             stream.disconnect()
-            blueprint(layout, log).save(application, look)
+            blueprint(layout, log, eyes).save(application, look)
         call("rrd", "merge", str(data), str(drawings), str(look), "-o", str(merged))
         part = rrd.with_name(f".{rrd.name}.part")
         part.write_bytes(merged.read_bytes())

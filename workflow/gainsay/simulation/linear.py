@@ -123,7 +123,10 @@ class Response:
         most += step * np.abs(slopes[np.array([turns, turns + 1])]).max(axis=0)
         worth = np.flatnonzero(most > max(float(sizes[best]), above))
         rows = np.array([output, slope_of, slope_of @ self.A])
-        for i in turns[worth[np.argsort(-most[worth])]]:
+        for k in worth[np.argsort(-most[worth])]:
+            if most[k] <= abs(found.value):  # nor can those that follow
+                break
+            i = turns[k]
             after, value = self._turn(rows, int(i), step, slopes[i], slopes[i + 1])
             if size(value) > size(found.value):
                 found = Peak(float(self.time[i] + after), value)

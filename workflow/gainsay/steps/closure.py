@@ -41,6 +41,7 @@ COLUMNS = {
 _BODIES = ("body", "handlers", "orelse", "finalbody", "cases")
 
 
+@cache
 def _file(root: Path, module: str) -> Path | None:
     """Return the file of a module of the library or of a paper, or None."""
     parts = module.split(".")

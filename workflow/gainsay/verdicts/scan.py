@@ -12,11 +12,10 @@ H. Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, SIAM, 1
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import takewhile
-from typing import Any
+from typing import Any, TypeAlias, TypeVar
 
 from gainsay.errors import ComputationError, InputError, one_of
 from gainsay.verdicts.criterion import NUMERIC, criteria
@@ -32,8 +31,13 @@ FEW, CLOSER = 5, 64
 #: pairs of samples with different outcomes that are tried, nearest first
 _MOST_PAIRS = 50
 
+T = TypeVar("T")
 Pair = tuple[float, Point]
 Holds = Callable[[float], bool]
+#: asks for the quantity at points, list by list, is sent its values there, and returns what it was looking for
+Asking: TypeAlias = Generator[Sequence[Point], list[float], T]
+#: points -> the quantities at each, by their ids
+Together: TypeAlias = Callable[[Sequence[Point]], Sequence[Mapping[str, float]]]
 
 
 @dataclass(frozen=True)
@@ -143,76 +147,125 @@ def scan(
     ComputationError
         If the quantity cannot be computed at a sample: nothing is passed over.
     """
-    if samples < LEAST_SAMPLES:
-        raise InputError("samples of a scan", field=quantity, value=samples, expected=f"at least {LEAST_SAMPLES}")
-    if parts < 2:
-        raise InputError("parts of a scan", field=quantity, value=parts, expected="at least 2")
+    asking = _scan(case, quantity, inputs, samples, seed, admissible, bears_out, width, parts)
 
-    def value_at(point: Point) -> float:
-        try:
-            return float(evaluate(dict(point)))  # type: ignore[misc]  # one of the two is given
-        except (ComputationError, InputError) as error:
-            raise ComputationError(quantity, f"scan broke at {point}: {error}") from error
+    def each(points: Sequence[Point]) -> list[Mapping[str, float]]:
+        values = together(points) if together else [_at(quantity, evaluate, point) for point in points]
+        return [{quantity: value} for value in values]
 
-    def values_at(points: Sequence[Point]) -> list[float]:
-        values = [value_at(point) for point in points] if together is None else [float(v) for v in together(points)]
-        for value, point in zip(values, points, strict=True):
-            if math.isnan(value):
-                raise ComputationError(quantity, f"scan broke at {point}: the quantity is not a number")
-        return values
-
-    if all(one.values for one in inputs):
-        points = readings(inputs, admissible)
-    else:
-        points = [*sample(inputs, samples, seed, admissible), *corners(inputs, admissible)]
-    found = list(zip(values_at(points), points, strict=True))
-    crossings: list[tuple[Pair, Pair]] = []
-    closer: list[Pair] = []
-    for claim in case.claims.values():
-        if claim.quantity == quantity and claim.comparator in NUMERIC:
-            for one in criteria(claim):
-                crossings += _crossing(inputs, found, values_at, one.holds, admissible, width, parts)
-            if not closer:  # under the strictest reading, by which samples are counted
-                around = _around_the_few(inputs, found, criteria(claim)[0].holds, seed, admissible)
-                closer = list(zip(values_at(around), around, strict=True))
-    return Scan(quantity, tuple(inputs), seed, tuple(found), tuple(crossings), tuple(bears_out), tuple(closer))
+    return _answered({quantity: asking}, each)[quantity]
 
 
 def scans(
     case: Any,
     quantities: Sequence[str],
     inputs: Sequence[Plausible],
-    evaluate: Callable[[Mapping], Mapping[str, float]],
-    **more: Any,
-) -> Iterator[Scan]:
+    evaluate: Callable[[Mapping], Mapping[str, float]] | None = None,
+    *,
+    samples: int = 256,
+    seed: int = 0,
+    admissible: Callable[[Mapping], bool] | None = None,
+    bears_out: Sequence[str] = (),
+    width: float = 1e-3,
+    together: Callable[[Sequence[Point]], Sequence[Mapping[str, float]]] | None = None,
+    parts: int = 2,
+) -> list[Scan]:
     """Scan several quantities that are computed together: each point is computed once for all.
+
+    What the scans ask for goes round by round: points that each of them needs next are one list.
 
     Parameters
     ----------
-    case, inputs, **more
+    case, inputs, samples, seed, admissible, bears_out, width, parts
         As for `scan`.
     quantities : sequence of str
-    evaluate : callable
+    evaluate : callable, optional
         Mapping of input names to values -> these quantities, and others, by their ids.
+    together : callable, optional
+        Points -> the same at each, instead of `evaluate` where that is cheaper than one by one.
 
-    Yields
-    ------
-    Scan
+    Returns
+    -------
+    list of Scan
         One a quantity, for `Results.scan`.
     """
+    asking = {q: _scan(case, q, inputs, samples, seed, admissible, bears_out, width, parts) for q in quantities}
+
+    def each(points: Sequence[Point]) -> Sequence[Mapping[str, float]]:
+        return together(points) if together else [_at(", ".join(quantities), evaluate, point) for point in points]
+
+    found = _answered(asking, each)
+    return [found[quantity] for quantity in quantities]
+
+
+def _at(what: str, evaluate: Callable[[Mapping], T] | None, point: Point) -> T:
+    """Compute one point."""
+    assert evaluate is not None, "one of the two is given"
+    try:
+        return evaluate(dict(point))
+    except (ComputationError, InputError) as error:
+        raise ComputationError(what, f"scan broke at {point}: {error}") from error
+
+
+def _answered(asking: Mapping[str, Asking[Scan]], together: Together) -> dict[str, Scan]:
+    """Give scans the values that they ask for, round by round, until all have ended; no point is computed twice."""
     known: dict[tuple, Mapping[str, float]] = {}
+    ended: dict[str, Scan] = {}
+    asked = {quantity: next(one) for quantity, one in asking.items()}
+    while asked:
+        listed = {tuple(point.items()): point for points in asked.values() for point in points}
+        new = {key: point for key, point in listed.items() if key not in known}
+        known.update(zip(new, together(list(new.values())) if new else (), strict=True))
+        for quantity, points in list(asked.items()):
+            values = [_value_of(quantity, point, known[tuple(point.items())]) for point in points]
+            try:
+                asked[quantity] = asking[quantity].send(values)
+            except StopIteration as end:
+                ended[quantity] = end.value
+                del asked[quantity]
+    return ended
 
-    def value_of(quantity: str, point: Mapping) -> float:
-        key = tuple(point.items())
-        if key not in known:
-            known[key] = evaluate(point)
-        found = known[key]
-        if quantity not in found:
-            raise InputError("quantity of a scan", value=quantity, expected=one_of(quantity, found))
-        return found[quantity]
 
-    for quantity in quantities:
-        yield scan(case, quantity, inputs, partial(value_of, quantity), **more)
+def _value_of(quantity: str, point: Point, found: Mapping[str, float]) -> float:
+    if quantity not in found:
+        raise ComputationError(quantity, f"quantity of a scan {quantity!r}: expected {one_of(quantity, found)}")
+    value = float(found[quantity])
+    if math.isnan(value):
+        raise ComputationError(quantity, f"scan broke at {point}: the quantity is not a number")
+    return value
+
+
+def _scan(
+    case: Any,
+    quantity: str,
+    inputs: Sequence[Plausible],
+    samples: int,
+    seed: int,
+    admissible: Callable[[Mapping], bool] | None,
+    bears_out: Sequence[str],
+    width: float,
+    parts: int,
+) -> Asking[Scan]:
+    """Sample a quantity and look closer where its claims turn."""
+    if samples < LEAST_SAMPLES:
+        raise InputError("samples of a scan", field=quantity, value=samples, expected=f"at least {LEAST_SAMPLES}")
+    if parts < 2:
+        raise InputError("parts of a scan", field=quantity, value=parts, expected="at least 2")
+    if all(one.values for one in inputs):
+        points = readings(inputs, admissible)
+    else:
+        points = [*sample(inputs, samples, seed, admissible), *corners(inputs, admissible)]
+    found = list(zip((yield points), points, strict=True))
+    crossings: list[tuple[Pair, Pair]] = []
+    closer: list[Pair] = []
+    for claim in case.claims.values():
+        if claim.quantity == quantity and claim.comparator in NUMERIC:
+            for one in criteria(claim):
+                crossings += yield from _crossing(inputs, found, one.holds, admissible, width, parts)
+            if not closer:  # under the strictest reading, by which samples are counted
+                around = _around_the_few(inputs, found, criteria(claim)[0].holds, seed, admissible)
+                closer = list(zip((yield around), around, strict=True))
+    return Scan(quantity, tuple(inputs), seed, tuple(found), tuple(crossings), tuple(bears_out), tuple(closer))
 
 
 def _around_the_few(
@@ -246,22 +299,21 @@ def _around_the_few(
 def _crossing(
     inputs: Sequence[Plausible],
     found: Sequence[Pair],
-    values_at: Callable[[Sequence[Point]], list[float]],
     holds: Holds,
     admissible: Callable[[Mapping], bool] | None,
     width: float,
     parts: int,
-) -> list[tuple[Pair, Pair]]:
+) -> Asking[list[tuple[Pair, Pair]]]:
     """Join the nearest pair of different outcomes one input at a time and bisect the input that turns it."""
     good = [pair for pair in found if holds(pair[0])]
     bad = [pair for pair in found if not holds(pair[0])]
     for i, j in nearest(inputs, [point for _, point in good], [point for _, point in bad])[:_MOST_PAIRS]:
-        path = _turn(inputs, good[i], bad[j], values_at, holds, admissible, parts - 1)
+        path = yield from _turn(inputs, good[i], bad[j], holds, admissible, parts - 1)
         if path is None:
             continue
         turning, inside, outside = path
         if not turning.values:
-            inside, outside = _narrow(turning, inside, outside, values_at, holds, width, parts)
+            inside, outside = yield from _narrow(turning, inside, outside, holds, width, parts)
         return [(inside, outside)]
     return []
 
@@ -270,11 +322,10 @@ def _turn(
     inputs: Sequence[Plausible],
     start: Pair,
     end: Pair,
-    values_at: Callable[[Sequence[Point]], list[float]],
     holds: Holds,
     admissible: Callable[[Mapping], bool] | None,
     at_once: int,
-) -> tuple[Plausible, Pair, Pair] | None:
+) -> Asking[tuple[Plausible, Pair, Pair] | None]:
     """Walk from a point that holds to one that fails; return the input at whose change the outcome turns."""
     changes, point = [], start[1]
     for changed in inputs:
@@ -286,7 +337,7 @@ def _turn(
     for first in range(0, len(changes), at_once):
         several = changes[first : first + at_once]
         possible = list(takewhile(lambda change: admissible is None or admissible(change[1]), several))
-        values = values_at([point for _, point in possible])
+        values = yield [point for _, point in possible]
         for value, (changed, point) in zip(values, possible, strict=True):
             if not holds(value):
                 return changed, before, (value, point)
@@ -300,11 +351,10 @@ def _narrow(
     turning: Plausible,
     inside: Pair,
     outside: Pair,
-    values_at: Callable[[Sequence[Point]], list[float]],
     holds: Holds,
     width: float,
     parts: int,
-) -> tuple[Pair, Pair]:
+) -> Asking[tuple[Pair, Pair]]:
     """Narrow the boundary: cut it into so many parts at a time, keep the first in which the outcome turns."""
     low, high = turning.fraction(inside[1][turning.name]), turning.fraction(outside[1][turning.name])
     for _ in range(_MOST_CUTS):
@@ -312,7 +362,7 @@ def _narrow(
             break
         cuts = [low + (high - low) * k / parts for k in range(1, parts)]
         points = [{**inside[1], turning.name: turning.at(cut)} for cut in cuts]
-        for cut, value, point in zip(cuts, values_at(points), points, strict=True):
+        for cut, value, point in zip(cuts, (yield points), points, strict=True):
             if not holds(value):
                 high, outside = cut, (value, point)
                 break

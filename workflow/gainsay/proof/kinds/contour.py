@@ -12,10 +12,12 @@ With an input B, an output C and a level gamma (region: the left half plane, alp
 gamma^2 |d|^2 - |y|^2 added, > 0 on the whole axis, proves that the H-infinity norm is below gamma for each Delta.
 
 The boundary is s = -a + b exp(i pi t), or s = alpha + i w0 tan(pi t / 2), 0 <= t <= 1: its upper half, which is enough
-since the data are real. Nothing is sampled: each piece of an arc is settled as a whole, by the form at its middle and
-a bound on its change over the piece, and cut in two where that does not do. With s = u / v and K = u I - v A,
+since the data are real. Nothing is sampled: each piece of an arc is settled as a whole, and cut in two where that does
+not do. Over a piece M lies within h^2/8 max |M''| of the chord between its values at the ends, h the length in t; on
+the chord the form, which is concave in M, is no smaller than at the worse end; so it is enough that the form at both
+ends exceeds what that distance can take away. With s = u / v, K = u I - v A, w = v' u - v u' and a dash for d/dt,
 
-    M(s) - M(s0) = (v u0 - v0 u) Cz K^-1 K0^-1 H,     K^-1 = K0^-1 - K0^-1 (K - K0) K^-1,
+    M = v Cz K^-1 H + Dw,     M' = w Cz K^-2 H,     |K'| <= |u'| + |v'| |A|,     K^-1 = K0^-1 (I + (K - K0) K0^-1)^-1,
 
 and all norms are taken in the coordinates of P and of the multipliers.
 
@@ -28,6 +30,7 @@ unmodeled dynamics", IEEE Transactions on Automatic Control 36 (1991) 25-38.
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
 
 from flint import acb, acb_mat, arb, fmpq
@@ -63,18 +66,25 @@ class _Plant:
     radius: arb
     disk: bool
 
-    def near(self, low: Fraction, high: Fraction) -> tuple[acb, arb, arb, arb]:
-        """At the middle of a piece u and v; over the piece the largest |v u0 - v0 u| and |u - u0| + |v - v0| |A|."""
-        turn = arb.pi() * (1 if self.disk else fmpq(1, 2))
-        angle = turn * arb(to_fmpq((low + high) / 2))
-        half = turn * arb(to_fmpq((high - low) / 2))
+    def point(self, t: Fraction) -> tuple[acb, arb]:
+        """Return u and v at a place of the boundary."""
+        angle = self.turn * arb(to_fmpq(t))
         if self.disk:
-            move = (self.radius * half).upper()
-            return acb(self.centre + self.radius * angle.cos(), self.radius * angle.sin()), arb(1), move, move
-        u = acb(self.centre * angle.cos(), self.radius * angle.sin())
-        # |cos - cos0| and |sin - sin0| are at most the change of the angle
-        move = half * (abs(self.centre) + self.radius + norm(self.a))
-        return u, angle.cos(), (self.radius * half).upper(), move.upper()
+            return acb(self.centre + self.radius * angle.cos(), self.radius * angle.sin()), arb(1)
+        return acb(self.centre * angle.cos(), self.radius * angle.sin()), angle.cos()
+
+    @property
+    def turn(self) -> arb:
+        """Change of the angle with t."""
+        return arb.pi() * (1 if self.disk else fmpq(1, 2))
+
+    @cached_property
+    def rates(self) -> tuple[arb, arb, arb]:
+        """Upper bounds on |w|, |w'| and |K'| with t."""
+        speed = (self.turn * self.radius).upper()
+        if self.disk:
+            return speed, (self.turn * speed).upper(), speed
+        return speed, arb(0), (self.turn * (abs(self.centre) + self.radius + norm(self.a))).upper()
 
 
 def adjoint(matrix: acb_mat) -> acb_mat:
@@ -156,6 +166,8 @@ class _Arc:
         self.form_unit = _diagonal([arb(1)] * len(of_w))
         self.skew: acb_mat | None = None
         self.steepness = arb(1)
+        self.known: dict[Fraction, tuple[acb_mat, acb_mat]] = {}
+        self.exceeded: dict[Fraction, arb] = {}
         if any(x != 0 for x in g):
             grid = [[acb(0)] * len(of_z) for _ in of_w]
             row = column = 0
@@ -196,29 +208,59 @@ class _Arc:
 
     def _whole(self, low: Fraction, high: Fraction) -> bool:
         spend(30_000 + 25 * (self.plant.a.nrows() + self.form_unit.nrows()) ** 3, "a piece of an arc")
-        u, v, turn, move = self.plant.near(low, high)
         try:
-            inverse = (self.unit * u - self.plant.a * v).inv()
+            distance = self._from_chord(low, high)
+            if distance is None:
+                return False
+            # without G the form at the ends must be positive, so |N| < 1 there and on the chord
+            size = arb(1) if self.skew is None else self._size(low).max(self._size(high)) + self.steepness
+            loss = (2 * size * distance + distance * distance).upper()
+            return self._exceeds(low, loss) and self._exceeds(high, loss)
         except ZeroDivisionError:
             return False
+
+    def _from_chord(self, low: Fraction, high: Fraction) -> arb | None:
+        """Upper bound on the distance of N from its chord over a piece; None where the piece is too long for one."""
+        speed, bend, change = self.plant.rates
+        length = arb(to_fmpq(high - low))
+        inverse = self._inverse((low + high) / 2)[0]
         left, right = self.outputs * inverse, inverse * self.inputs
-        of_left, of_right = adjoint(left) * left, right * adjoint(right)
-        size_inverse = norm(inverse)
-        rest = 1 - size_inverse * move
+        of_inverse = norm(inverse)
+        rest = 1 - of_inverse * change * length / 2
         if not rest > 0:
-            return False
-        both = largest(of_left, of_right).sqrt()
-        ends = largest(of_left).sqrt() * largest(of_right).sqrt()
-        change = turn * (both + ends * move * size_inverse / rest)
-        n = left * self.inputs * v + self.through
-        form = self.form_unit - adjoint(n) * n
-        size = arb(1)  # without G the form at the middle must be positive, so |N| < 1
-        if self.skew is not None:
-            turned = self.skew * n
-            form = form - (turned - adjoint(turned)) * acb(0, 1)
-            size = norm(n) + self.steepness
-        loss = (2 * size * change + change * change).upper()
-        return hermitian_positive_definite(form - self.form_unit * loss)
+            return None
+        ends = (largest(adjoint(left) * left) * largest(right * adjoint(right))).sqrt()
+        curvature = ends / rest**2 * (bend + 2 * speed * change * of_inverse / rest)
+        return (length * length / 8 * curvature).upper()
+
+    def _inverse(self, t: Fraction) -> tuple[acb_mat, arb]:
+        """K^-1 and v at a place; ZeroDivisionError where K may be singular."""
+        u, v = self.plant.point(t)
+        return (self.unit * u - self.plant.a * v).inv(), v
+
+    def _at(self, t: Fraction) -> tuple[acb_mat, acb_mat]:
+        """N and the form at a place, kept: it is the end of two pieces."""
+        if t not in self.known:
+            inverse, v = self._inverse(t)
+            n = self.outputs * inverse * self.inputs * v + self.through
+            form = self.form_unit - adjoint(n) * n
+            if self.skew is not None:
+                turned = self.skew * n
+                form = form - (turned - adjoint(turned)) * acb(0, 1)
+            self.known[t] = n, form
+        return self.known[t]
+
+    def _size(self, t: Fraction) -> arb:
+        return norm(self._at(t)[0])
+
+    def _exceeds(self, t: Fraction, loss: arb) -> bool:
+        """Prove that the form at a place is greater than a number; what was proved of it before is not proved again."""
+        if t in self.exceeded and loss <= self.exceeded[t]:
+            return True
+        holds = hermitian_positive_definite(self._at(t)[1] - self.form_unit * loss)
+        if holds:
+            self.exceeded[t] = loss
+        return holds
 
 
 def _plant(p: Matrix, system: tuple[Matrix, ...], centre: arb, radius: arb, disk: bool) -> _Plant:
