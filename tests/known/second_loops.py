@@ -75,6 +75,36 @@ def norms(plain, data, draw):
     return facts
 
 
+def regulator(a, b, c, d, weight):
+    """Gain of the least cost |c x + d u|^2, the input weighed a little more than asked where its weight is singular."""
+    r = d.T @ d + weight * np.eye(d.shape[1])
+    p = linalg.solve_continuous_are(a, b, c.T @ c, r, s=c.T @ d, e=np.eye(len(a)))
+    return -linalg.solve(r, b.T @ p + d.T @ c)
+
+
+def least_h2(plain, data, draw):
+    """Norms of loops: a bound on the least norm is below each of them."""
+    at, facts = Formulas(plain, data, {}, draw), []
+    a, b1, b2, c1, d12 = (doubles(at.value(plain["fields"][name])) for name in ("A", "B1", "B2", "C1", "D12"))
+    for weight in (0.0, 1e-9, 1e-6, 1e-3):
+        try:
+            k = regulator(a, b2, c1, d12, weight)
+            loop, drive, seen = a + b2 @ k, b1, c1 + d12 @ k
+            if "C2" in plain["fields"]:
+                c2, d21 = (doubles(at.value(plain["fields"][name])) for name in ("C2", "D21"))
+                gain = -regulator(
+                    a.T, c2.T, b1.T, d21.T, weight
+                ).T  # of the filter x^' = A x^ + B2 u + gain (y - C2 x^)
+                loop = np.block([[a, b2 @ k], [gain @ c2, a + b2 @ k - gain @ c2]])
+                drive, seen = np.vstack([b1, gain @ d21]), np.hstack([c1, d12 @ k])
+        except (linalg.LinAlgError, ValueError):
+            continue
+        if linalg.eigvals(loop).real.max() < 0:
+            gramian = linalg.solve_continuous_lyapunov(loop.T, -seen.T @ seen)
+            facts.append(mp.mpf(np.sqrt(np.trace(drive.T @ gramian @ drive))))
+    return {"least": facts or [mp.inf]}
+
+
 def uncertain(plain, data, draw):
     """Kinds quadratic_bound, robust_disk, robust_norm, contour: sampled over constant uncertainty."""
     fields, at = plain["fields"], Formulas(plain, data, {}, draw)

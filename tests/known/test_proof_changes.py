@@ -60,6 +60,9 @@ def toys():
     norm = linalg.solve_continuous_are(A, [[0.0], [1.0]], np.diag([1.05, 0.05]), [[-1.0]])
     robust = linalg.solve_continuous_are(A, [[0.0], [1.0]], np.diag([2.05, 0.05]), [[-2.0]])
     gramian = linalg.solve_continuous_lyapunov(A.T, -np.diag([1.0, 0.0]))
+    # the regulator of x1^2 + u^2 driven at B, and the filter of w = (w1, w2) that drives B and disturbs y = x1 + w2
+    cost = linalg.solve_continuous_are(A, [[0.0], [1.0]], np.diag([0.99, -0.01]), [[1.0]])
+    spread = linalg.solve_continuous_are(A.T, [[1.0], [0.0]], np.diag([-0.01, 0.99]), [[1.0]])
     unit = linalg.solve_continuous_lyapunov(A.T, -EYE)
     unstable = linalg.solve_continuous_lyapunov((np.diag([1.0, -1.0]) - 0.5 * EYE).T, -EYE)
     definitions = {"A": "printed('A')", "b": "number('b')", "B": "col(0, 1)", "C": "row(1, 0)", "level": "0.5"}
@@ -77,6 +80,9 @@ def toys():
          {"u": [["1", "0"]]}, {}),
         ("h2", {"A": "A", "B": "B", "C": "C", "bound": "0.29", "lower": "0.287"},
          {"P": gramian + 1e-3 * unit, "S": gramian - 1e-3 * unit}, {}),  # the norm is 12^-1/2
+        ("h2_least", {"A": "A", "B1": "row(B, zeros(2, 1))", "B2": "B", "C1": "diag(1, 0)[0:2, 0:2]", "D12": "B",
+                      "C2": "C", "D21": "row(0, 1)", "lower": "0.27"},
+         {"P": cost, "F": -cost[1:], "R": [["0.99"]], "S": spread}, {}),
         ("eigenvalues", {"matrix": "A", "measure": "radius", "shift": "b"}, {}, {}),
         ("not_an_eigenvalue", {"matrix": "box('A')", "real": "-1.5", "imaginary": "0.1"}, {}, {}),
         ("enclosed", {"formula": "sqrt(b) + pi*(interval(0, 0.5) - plausible('rest')/2)", "low": "0.4", "high": "2.5"},
@@ -147,7 +153,7 @@ def made_by_papers(folder):
 
 NUMBER = re.compile(r"\d+(\.\d+)?(e[+-]?\d+)?")
 TOKENS = ["+", "-", "@", "*", "/", ".T", "**2", "0", "1", "2", "-1", "eye(2)", "pi", "A", "P", "X", "x", "b", "sqrt(2)"]
-ABOUT = ["norm", "stable", "abscissa", "radius", "feasible", "objective", "value", "level", "cost", "identity",
+ABOUT = ["norm", "least", "stable", "abscissa", "radius", "feasible", "objective", "value", "level", "cost", "identity",
          "definite", "distance", "eigenvalue"]  # fmt: skip
 RELATIONS = ["<", "<=", "==", ">=", ">"]
 

@@ -83,7 +83,8 @@ LIBRARY = {
     "Norms": ("gainsay.systems.norms", ("hinf_norm", "hinf_enclosure", "h2_norm", "h2_enclosure",
                                         "bounded_real_certificate_matrix")),
     "Synthesis": ("gainsay.systems.synthesis", ("StandardPlant", "hinf_state_feedback", "h2_state_feedback",
-                                                "hinf_output_feedback", "h2_output_feedback", "hinf_least_level")),
+                                                "hinf_output_feedback", "h2_output_feedback", "hinf_least_level",
+                                                "h2_least")),
     "Systems with delays": ("gainsay.systems.delay", ("DelaySystem",)),
     "Roots and norms under delays": ("gainsay.systems.delay_spectrum", (
         "rightmost_roots", "spectral_abscissa", "unstable_root_count", "hinf_norm", "gain_stays_below")),

@@ -89,7 +89,7 @@ class Synthesis:
         Of the loop from w to z, proved for the gains as they stand.
     least : float
         No controller of the kind reaches less, to rounding: from checked multipliers (H-infinity), or the optimum of
-        the Riccati equations, which the loop reaches to 1e-7 (H2).
+        the Riccati equations, which the loop reaches to 1e-7 (H2; `h2_least` proves one in continuous time).
     """
 
     controller: np.ndarray | StateSpace
