@@ -27,7 +27,7 @@ def jacobi_integral(state):
 
 
 @given(angles_)
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_direction_cosines_agree_with_scipy(angles):
     # Independent implementation: scipy's intrinsic ZYX rotation, transposed since it turns vectors, not axes.
     phi, theta, psi = angles
@@ -36,7 +36,7 @@ def test_direction_cosines_agree_with_scipy(angles):
 
 
 @given(angles_, st.tuples(*[st.floats(-1, 1)] * 3))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_kinematics_are_the_derivative_of_the_rotation(angles, rates):
     # Identity: C' = -[omega]x C for the rate relative to LVLH, by a central difference.
     angles, rates, step = np.array(angles), np.array(rates), 1e-6

@@ -69,7 +69,7 @@ def test_vanishing_delay_is_the_ordinary_equation():
 
 
 @given(st.floats(0.05, 0.9), st.floats(-2, 2), st.floats(-2, 2))
-@settings(deadline=None, max_examples=10)
+@settings(max_examples=10)
 def test_solutions_superpose(mean, a, b):
     law = touching(mean, 0.5)
     one, two, both = (

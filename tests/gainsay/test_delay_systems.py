@@ -81,7 +81,6 @@ def test_a_loop_unstable_without_delay_has_no_margin():
 
 
 @given(st.integers(0, 10_000))
-@settings(deadline=None)
 def test_quasi_polynomial_is_the_determinant(seed):
     rng = np.random.default_rng(seed)
     system = DelaySystem(rng.normal(size=(4, 4)), rng.normal(size=(4, 2)), rng.normal(size=(2, 4)))
@@ -117,7 +116,6 @@ def test_crossings_agree_with_the_matrix_pencil_method(seed):
 
 
 @given(st.integers(0, 10_000))
-@settings(deadline=None)
 def test_every_crossing_is_a_root_of_the_quasi_polynomial(seed):
     quasi = random_system(seed).quasi_polynomial
     for crossing in quasi.crossings():
@@ -192,7 +190,7 @@ def test_differentiation_matrix_is_exact_on_polynomials():
 
 # delays near the smallest double are refused, in one line: 1/d overflows in the collocation
 @given(MODERATE, st.floats(0.05, 0.9), st.just(0.0) | st.floats(1e-6, 3.0))
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 def test_norm_of_a_positive_system_is_its_static_gain(a, share, delay):
     # x' = -a x + b x(t - d) + w with 0 < b < a is positive: |G| is largest at w = 0, 1/(a - b), whatever the delay
     system = scalar(a, -share * a)
@@ -265,7 +263,7 @@ def test_bounds_grow_with_the_degree_towards_the_exact_margin():
 
 
 @given(st.integers(0, 1000), st.floats(0.1, 2.0))
-@settings(deadline=None, max_examples=12)
+@settings(max_examples=12)
 def test_no_condition_holds_where_the_system_is_unstable(seed, delay):
     system = random_system(seed, 2)
     assume(spectral_abscissa(system, delay) > 1e-3)

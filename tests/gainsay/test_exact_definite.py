@@ -172,3 +172,11 @@ def test_a_large_hermitian_matrix_turns_at_its_least_eigenvalue(size):
         given_ = [[acb(z.real, z.imag) if j < i else acb(z.real, 9) if i == j else acb(9) for j, z in enumerate(row)]
                   for i, row in enumerate(shifted)]  # fmt: skip
         assert hermitian_positive_definite(acb_mat(given_)) == holds
+
+
+@pytest.mark.parametrize("rows", [[[2, 1], [0, 2]], [[0, 1], [-1, 0]], [[1, 0]], [[1], [0]]])
+def test_an_order_is_of_symmetric_matrices(rows):
+    # z' F z would not see what is skew: a matrix that is not symmetric is neither
+    for holds in (positive_definite, positive_semidefinite, rational_positive_definite):
+        assert not holds(fmpq_mat(rows))
+    assert not rational_positive_definite(fmpq_mat(rows), semidefinite=True)

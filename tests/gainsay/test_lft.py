@@ -20,7 +20,7 @@ def test_division_by_an_uncertain_number_has_its_closed_form():
 
 
 @given(st.integers(0, 10_000))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_close_solves_the_loop_equations(seed):
     generator = np.random.default_rng(seed)
     block = random_lft(generator, 2, 3, 4, 2)
@@ -31,7 +31,7 @@ def test_close_solves_the_loop_equations(seed):
 
 
 @given(st.integers(0, 10_000))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_star_product_is_associative_with_closing(seed):
     generator = np.random.default_rng(seed)
     first, second = random_lft(generator, 2, 3, 2, 3), random_lft(generator, 3, 2, 1, 2)

@@ -9,7 +9,7 @@ from gainsay.simulation.linear import Response, with_harmonics
 
 
 @given(st.floats(0.05, 0.9), st.floats(0.2, 3.0), st.integers(40, 400))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_peaks_of_an_oscillator_have_their_closed_form(damping, w, steps):
     A = np.array([[0, 1], [-(w**2), -2 * damping * w]])
     response = Response(A, np.array([0.0, 1.0]), 20 / w, steps)
@@ -34,7 +34,7 @@ def test_the_largest_value_of_either_sign_has_its_closed_form(damping, w, steps)
 
 
 @given(st.floats(0.05, 0.9), st.floats(0.2, 3.0), st.integers(40, 400))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_rise_times_have_their_closed_form(damping, w, steps):
     """The error -e^(-d w t) (cos v w t + d/v sin v w t) of a unit step is zero first at v w t = pi - acos d."""
     A = np.array([[0, 1], [-(w**2), -2 * damping * w]])

@@ -62,7 +62,7 @@ def test_h2_norm_agrees_with_python_control(seed):
 
 
 @given(st.integers(0, 10_000))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_no_frequency_beats_the_norm_and_its_own_attains_it(seed):
     A, B, C, D = random_system(seed)
     norm, frequency = hinf_norm(A, B, C, D)
@@ -72,7 +72,7 @@ def test_no_frequency_beats_the_norm_and_its_own_attains_it(seed):
 
 
 @given(st.integers(0, 10_000))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_certificate_matrix_proves_the_norm_to_a_millionth(seed):
     A, B, C, D = random_system(seed)
     norm, _ = hinf_norm(A, B, C, D)
@@ -106,7 +106,7 @@ def test_bad_shapes_are_named():
 
 
 @given(st.integers(0, 10_000), st.floats(1e-9, 1e-1))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_norm_barely_above_the_feedthrough(seed, size):
     # Nearly all of the gain comes from D: the region where level^2 I - D'D is close to singular.
     A, B, C, D = random_system(seed)

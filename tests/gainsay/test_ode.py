@@ -47,7 +47,7 @@ def test_kinks_are_located_and_keep_the_accuracy():
 
 @given(st.floats(0.1, 0.9), st.floats(0.5, 3.0))
 @example(0.20626450303159705, 0.9464486267122048)  # a step that looked beyond the kink was off by 2.5e-8
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_saturated_feedback_reaches_the_time_of_its_closed_form(limit, start):
     # dx/dt = -sat(x, limit): straight down to x = limit, then exponential.
     if start <= limit:
@@ -104,7 +104,7 @@ def test_of_peaks_that_are_nearly_equal_the_largest_is_found(frequency, growth):
 
 
 @given(st.floats(0.2, 20.0), st.floats(0.0, 6.28), st.floats(-0.3, 0.3))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_no_sample_is_above_the_largest_value(frequency, phase, growth):
     def slope(t, x):
         return np.array([growth * x[0] - frequency * x[1], frequency * x[0] + growth * x[1]])

@@ -47,7 +47,7 @@ def test_liouville():
     assert np.linalg.det(found.monodromy) == pytest.approx(np.exp(np.trace(BASE)), rel=1e-12)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.floats(0.0, 3.0), st.floats(0.0, 2.0))
 def test_constant_matrix_is_exact(t, h):
     # closed form: the exponential

@@ -202,7 +202,7 @@ def test_floats_never_stand_in_a_certificate():
         example().changed(witness={"P": [[2.5]]}).to_json()
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(st.data())
 def test_any_change_of_one_text_is_refused_or_proves_the_same(data):
     """Whatever single text is changed with a fresh digest, what is accepted still has the proved conclusions."""
@@ -237,7 +237,7 @@ JSON = st.recursive(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.data())
 def test_whatever_stands_in_a_certificate_is_refused_in_one_line_or_accepted(data):
     body = json.loads(example().to_json())

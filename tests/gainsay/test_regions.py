@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from gainsay.errors import InputError
@@ -24,7 +24,6 @@ def test_stacks():
 
 
 @given(st.integers(0, 10_000))
-@settings(deadline=None)
 def test_lyapunov_matrices_prove(seed):
     # law: the inequality of Stein (of Lyapunov) with P > 0 holds exactly where the eigenvalues are inside
     A = np.random.default_rng(seed).standard_normal((4, 4))
@@ -40,7 +39,6 @@ def test_lyapunov_matrices_prove(seed):
 
 
 @given(st.integers(0, 10_000), st.integers(1, 8), st.sampled_from([-0.5, 0.0, 2.0]), st.integers(-9, 9))
-@settings(deadline=None)
 def test_each_of_a_stack_is_judged_as_by_its_eigenvalues(seed, n, abscissa, decades):
     generator = np.random.default_rng(seed)
     stack = 10.0**decades * generator.standard_normal((3, 5, n, n))

@@ -79,7 +79,7 @@ def test_the_best_loop_reaches_the_bound(damping, output):
 
 
 @given(st.integers(0, 10_000))
-@settings(deadline=None, max_examples=8)
+@settings(max_examples=8)
 def test_no_stable_loop_is_below_the_bound(seed):
     rng = np.random.default_rng(seed)
     plant = oscillator(rng.uniform(-1, 1))

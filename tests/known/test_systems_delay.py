@@ -116,7 +116,7 @@ def test_the_norm_of_a_delayed_integrator_loop(delay):
 
 
 @given(st.integers(0, 10_000), st.floats(0.05, 2.0))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_the_count_is_that_of_the_roots_right_of_the_axis(seed, delay):
     # law: two methods, the argument principle on the axis and the roots one by one
     rng = np.random.default_rng(seed)

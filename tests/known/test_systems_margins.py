@@ -93,7 +93,7 @@ def test_small_structures(M, blocks, value):
 
 
 @given(st.integers(0, 10_000), st.sampled_from([[1, 1], [1, 2], [1, 1, 1], [2, 2, 1]]))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 def test_bounds_meet_for_three_blocks(seed, blocks):
     # Doyle (1982): with at most three full blocks the upper bound is the value
     M = complex_matrix(seed, sum(blocks))

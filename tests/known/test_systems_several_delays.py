@@ -92,7 +92,7 @@ def test_the_hopf_points_of_two_neurons(number, bracket):
 
 
 @given(st.floats(0.5, 3), st.floats(0.05, 0.45), st.floats(0.05, 0.45), st.floats(0, 3), st.floats(1e-6, 3))
-@settings(deadline=None, max_examples=8)
+@settings(max_examples=8)
 def test_the_norm_of_a_positive_system_is_its_static_gain(a, first, second, d1, d2):
     # x' = -a (x - first x(t - d1) - second x(t - d2)) + w is positive: |G| is largest at w = 0, whatever the delays
     peak = hinf_norm(two(a * first, a * second, -a), [d1, d2])
@@ -118,7 +118,7 @@ def test_a_gain_is_proved_below_a_level_and_not_below_its_peak():
 
 
 @given(st.integers(0, 10_000), st.floats(0.05, 2.0), st.floats(0.05, 2.0))
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 def test_laws_of_several_delays(seed, d1, d2):
     rng = np.random.default_rng(seed)
     A, Bd, Cd = rng.normal(size=(3, 3)), rng.normal(size=(3, 2)), rng.normal(size=(2, 3))
@@ -209,7 +209,7 @@ def test_matrix_inequalities_of_two_delays(degree, least):
 
 
 @given(st.integers(0, 10_000))
-@settings(deadline=None, max_examples=10)
+@settings(max_examples=10)
 def test_matrix_inequalities_prove_no_unstable_loop(seed):
     rng = np.random.default_rng(seed)
     A, Bd, Cd = rng.normal(size=(2, 2)) - np.eye(2), rng.normal(size=(2, 2)), rng.normal(size=(2, 2))
