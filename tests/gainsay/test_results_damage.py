@@ -21,8 +21,10 @@ from gainsay.report import read_results
 from gainsay.report.page import render_paper
 from gainsay.results import Results
 from gainsay.results.returned import read_returned
+from gainsay.steps.between import between
 from gainsay.steps.check import check
 from gainsay.steps.compare import compare
+from gainsay.steps.explain import explain, status
 from gainsay.steps.page import page
 from gainsay.steps.report import main as report
 from gainsay.steps.verdicts import verdicts
@@ -41,7 +43,8 @@ TRIED = [
         "what": "results between the steps",
         "how": "as tables; and another value somewhere in a JSON file",
         "fast": 6, "slow": 100, "night": 300,
-        "promise": "verdicts, compare, page, report, check and record refuse what is damaged in one line or say it; "
+        "promise": "verdicts, compare, page, report, check, record, explain, status and diff refuse what is damaged in "
+        "one line or say it; "
         "every verdict, number and difference of another paper is the same",
     }
 ]  # fmt: skip
@@ -118,13 +121,15 @@ def damaged(root, draw):
     return f"{path.relative_to(root)} after {damage.__name__}"
 
 
-def sound(root, what):
+def sound(root, made, what):
     """Run every step and command that reads results back; none may break, the other paper must come out the same."""
     other = read_case(root, "other")
     before = {name: read_records(other.results / f"{name}.csv") for name in ("verdicts", "published", "differences")}
     outcomes = Counter()
     case = read_case(root, "toy")
     typed = (
+        lambda c: [explain(c, claim) for claim in c.claims],
+        lambda c: list(between(root / "results", made / "results")),
         read_results,
         lambda c: render_paper(read_results(c)),
         verdicts,
@@ -144,6 +149,8 @@ def sound(root, what):
             outcomes["refused"] += 1
         except Exception as error:  # whatever is no refusal is what this looks for: it fails with the damage named
             pytest.fail(f"{what}: {type(error).__name__}: {error}"[:2000])
+    _, line = status(root, ["toy", "other"])
+    assert line == status(root, ["other"])[0], what
     found = check([read_case(root, "toy"), other])
     assert all(len(row) == 6 and all(isinstance(cell, str) for cell in row) for row in found), what
     assert [row for row in found if row[0] == "other"] == check([other]), what
@@ -162,7 +169,7 @@ def campaign(made, tmp_path, count, draw):
         root = tmp_path / "project"
         shutil.rmtree(root, ignore_errors=True)
         shutil.copytree(made, root, symlinks=True)
-        outcomes += sound(root, f"{number}: {damaged(root, draw)}")
+        outcomes += sound(root, made, f"{number}: {damaged(root, draw)}")
     return outcomes
 
 

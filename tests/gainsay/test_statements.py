@@ -31,10 +31,8 @@ from gainsay.statements import (
 )
 from gainsay.statements.instability import wrong_inertia
 
-TABLES = MappingTables(
-    numbers={"mass": "2.5", "third": "1/3"},
-    printed={"A": [["0", "1"], ["-2", "-3"]], "B": [["0"], ["1"]], "L": [["0.1", "-0.25"], ["4e-3", "7"]]},
-)
+PRINTED = {"A": [["0", "1"], ["-2", "-3"]], "B": [["0"], ["1"]], "L": [["0.1", "-0.25"], ["4e-3", "7"]]}
+TABLES = MappingTables(numbers={"mass": "2.5", "third": "1/3"}, printed=PRINTED)
 UNKNOWNS = {
     "P": symmetric(2),
     "Y": matrix(1, 2),
@@ -116,6 +114,35 @@ def test_constants_are_rounded_once():
     tables = MappingTables(numbers={"a": "0.1", "b": "0.2", "c": "0.3"})
     found = floats.Floats(tables, {"d": "number('a') + number('b') - number('c')"}, {}).constant("d*1e20")
     assert found[0, 0] == 0.0
+
+
+OTHER_TABLES = MappingTables(numbers={"mass": "3.5", "third": "1/3"}, printed=PRINTED)
+
+
+@pytest.mark.parametrize(
+    ("tables", "where", "unknowns", "kept"),
+    [
+        (TABLES, WHERE, UNKNOWNS, set(FORMULAS)),
+        (TABLES, {**WHERE, "m": "3.5"}, UNKNOWNS, {t for t in FORMULAS if "m)" not in t and "m -" not in t}),
+        (TABLES, {**WHERE, "B": "2*printed('B')"}, UNKNOWNS, {t for t in FORMULAS if t != "Acl + A"}),
+        (TABLES, WHERE, {**UNKNOWNS, "P": matrix(2, 2)}, {t for t in FORMULAS if "P" not in t}),
+        (OTHER_TABLES, WHERE, UNKNOWNS, set()),
+    ],
+    ids=["the same", "a parameter", "a matrix behind a definition", "a structure", "the tables"],
+)
+def test_what_means_the_same_in_another_program_is_taken_over_and_nothing_else(tables, where, unknowns, kept):
+    """Provenance: the same formulas evaluated anew."""
+    first = floats.Floats(TABLES, WHERE, {name: unknown.variable(name) for name, unknown in UNKNOWNS.items()})
+    before = {text: first.value(text) for text in FORMULAS}
+    variables = {name: unknown.variable(name) for name, unknown in unknowns.items()}
+    second, anew = floats.Floats(tables, where, variables, first), floats.Floats(tables, where, variables)
+    assert {text for text in FORMULAS if second.value(text) is before[text]} == kept
+    for text in FORMULAS:
+        found, expected = second.value(text), anew.value(text)
+        assert found.constant.tobytes() == expected.constant.tobytes(), text
+        coefficients = [{v.name: c.tobytes() for v, c in value.terms.items()} for value in (found, expected)]
+        assert coefficients[0] == coefficients[1], text
+    assert second.exact("m*A").rows() == anew.exact("m*A").rows()
 
 
 def lyapunov(**parts) -> Statement:

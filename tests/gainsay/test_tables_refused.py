@@ -70,6 +70,23 @@ def test_a_number_in_quotes_is_no_year(project):
     assert refused(project).field == "year"
 
 
+@pytest.mark.parametrize("character", ["\x1b", "\x9b", "\u200b", "\u202e", "\u2066", "\ufeff", "\U000e0041"])
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("claims.csv", "it is 1.50 m", "it is {}1.50 m"),
+        ("claims.csv", "nothing to compare with", "nothing to {}compare with"),
+        ("quantities.csv", "another length", "another {}length"),
+        ("paper.toml", '"A. Author"', '"A. {}Author"'),
+        ("paper.toml", '"a run"', '"a {}run"'),
+    ],
+)
+def test_characters_that_do_not_show_are_refused(project, file, old, new, character):
+    """A terminal obeys U+009B as it does ESC [; others turn or hide what stands beside them."""
+    project.edit(file, old, new.format(character))
+    refused(project)
+
+
 @pytest.mark.parametrize("file", ["parameters.csv", "claims.csv", "printed/K.csv", "recorded.csv"])
 def test_a_table_cut_in_its_last_line_is_refused(project, file):
     """At every byte: 0.1,7 cut to 0.1 has too few cells, 0.25,17 cut to 0.25,1 is another number."""

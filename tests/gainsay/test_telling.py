@@ -121,6 +121,29 @@ def test_status_takes_a_line_a_paper(root, capsys):
     assert "10 claims: 7 reproduced, 1 contradicted, 1 undetermined, 1 uncheckable; views has not run" in text
 
 
+@pytest.mark.parametrize("table", ["verdicts", "quantities", "certificates", "failures"])
+def test_results_of_another_version_are_refused_and_other_papers_told(root, computed, capsys, table):
+    """A column that an earlier version did not write was a KeyError."""
+    before = said(root, capsys, "status")
+    shutil.copytree(root / "papers/toy2001", root / "papers/other")
+    shutil.copytree(root / "results/toy2001", root / "results/other")
+    path = root / f"results/toy2001/{table}.csv"
+    header, rest = path.read_text().split("\n", 1)
+    first, *others = header.split(",")
+    path.write_text(",".join([f"old_{first}", *others]) + "\n" + rest)
+    other, toy = said(root, capsys, "status").splitlines()
+    assert other.split(maxsplit=1)[1] + "\n" == before.split(maxsplit=1)[1]
+    for arguments in (["explain", "toy2001", "stable"], ["diff", str(root / "results"), str(computed / "results")]):
+        code = cli.main(["--root", str(root), *arguments])
+        error = capsys.readouterr().err
+        assert (code, error.count("\n")) in ((0, 0), (1, 0), (2, 1))
+        assert len(error) < 320
+        if table == "verdicts":
+            assert code == 2
+            assert f"{table}.csv:1" in error
+            assert f"results/toy2001/{table}.csv:1" in toy
+
+
 def test_diff_names_what_differs_and_by_how_much(root, computed, capsys, monkeypatch):
     assert said(root, capsys, "diff", str(root / "results"), str(computed / "results")) == ""
     path = root / "results/toy2001/quantities.csv"

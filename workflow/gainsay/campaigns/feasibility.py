@@ -10,6 +10,7 @@ from gainsay.errors import CertificateError, GainsayError
 from gainsay.lmi.candidates import candidates
 from gainsay.proof import Certificate, build, check
 from gainsay.statements import Stated
+from gainsay.statements.floats import Floats
 from gainsay.tables import Case
 
 FEASIBLE, INFEASIBLE, UNDECIDED = "feasible", "infeasible", "undecided"
@@ -20,7 +21,7 @@ _MARKERS = {FEASIBLE: "o", INFEASIBLE: "x", UNDECIDED: "s"}
 _PANELS = 4
 
 
-def certified(stated: Stated, name: str, sentence: str) -> tuple[str, Certificate | None]:
+def certified(stated: Stated, name: str, sentence: str, floats: Floats | None = None) -> tuple[str, Certificate | None]:
     """Decide whether a program has a point, by a certificate over the tables alone.
 
     Parameters
@@ -31,6 +32,8 @@ def certified(stated: Stated, name: str, sentence: str) -> tuple[str, Certificat
         Id of the certificate.
     sentence : str
         The program, for people.
+    floats : Floats, optional
+        The program's evaluator; a new one unless given.
 
     Returns
     -------
@@ -38,7 +41,7 @@ def certified(stated: Stated, name: str, sentence: str) -> tuple[str, Certificat
         `UNDECIDED` and None where the checker accepted neither a point nor multipliers.
     """
     parts = {**stated.parts(), "id": name}
-    for candidate in candidates(stated.program()):
+    for candidate in candidates(stated.program(floats)):
         try:
             if candidate.values:
                 point = {unknown: candidate.values[unknown] for unknown in stated.unknowns}
@@ -64,12 +67,16 @@ def feasibility_map(
     sentence : str
         The program, for people, with ``{name}`` for an input: ``"solution of (12) at lambda = {lambda}"``.
     """
+    floats: Floats | None = None  # of the last point: what points share is evaluated once in a process
 
     def block(case: Case, of: Block) -> Columns:
+        nonlocal floats
         points, outcomes, certificates = of.points(), [], []
         for index, point in zip(of.indices, points, strict=True):
+            program = stated(case, point)
+            floats = program.floats(floats)
             name = f"{of.plan.row.name}-{index}"
-            outcome, made = certified(stated(case, point), name, sentence.format(**point))
+            outcome, made = certified(program, name, sentence.format(**point), floats)
             outcomes.append(outcome)
             certificates.append(made.to_json() if made is not None else "")
         coordinates = {name: [float(point[name]) for point in points] for name in inputs}

@@ -66,13 +66,13 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
         draft.changed(data=data, conclusions=tuple(dict.fromkeys(conclusions))).to_json(), draft.id
     )
     checker.concluded(done, tables, found, data)
-    _accepted.add((done.paper, done.to_json()))
+    _accepted.add((done.paper, done.digest()))
     return done
 
 
 def accepted(certificate: Certificate) -> bool:
     """Whether a builder of this process has had the checker accept this very certificate: it need not do so twice."""
-    return (certificate.paper, certificate.to_json()) in _accepted
+    return (certificate.paper, certificate.digest()) in _accepted
 
 
 def id_of(quantity: str) -> str:

@@ -44,14 +44,24 @@ class Floats:
     definitions : mapping of str to str
         In order.
     unknowns : mapping of str to Variable
+    before : Floats, optional
+        Of a program that is nearly the same: values of formulas that mean the same in both are taken over.
     """
 
-    def __init__(self, case: Any, definitions: Mapping[str, str], unknowns: Mapping[str, Variable]) -> None:
-        self.definitions, self.unknowns = dict(definitions), dict(unknowns)
+    def __init__(
+        self,
+        case: Any,
+        definitions: Mapping[str, str],
+        unknowns: Mapping[str, Variable],
+        before: "Floats | None" = None,
+    ) -> None:
+        self.case, self.definitions, self.unknowns = case, dict(definitions), dict(unknowns)
         self._reader = Reader(case, "statement")
         self._exact: dict[str, Matrix] = {}
         self._affine: dict[str, Affine] = {}
         self._free = self._names_with_unknowns()
+        if before is not None and before.case is case:
+            self._take_over(before)
 
     def _names_with_unknowns(self) -> set[str]:
         found = set(self.unknowns)
@@ -63,6 +73,15 @@ class Floats:
                 found.add(name)
         return found
 
+    def _take_over(self, before: "Floats") -> None:
+        same = {name for name, unknown in self.unknowns.items() if _alike(unknown, before.unknowns.get(name))}
+        self.unknowns |= {name: before.unknowns[name] for name in same}
+        for name, text in self.definitions.items():
+            if before.definitions.get(name) == text and formulas.names_in(text) <= same:
+                same.add(name)
+        self._exact = {text: value for text, value in before._exact.items() if formulas.names_in(text) <= same}
+        self._affine = {text: value for text, value in before._affine.items() if formulas.names_in(text) <= same}
+
     def value(self, text: str) -> Affine:
         """Expression of a formula.
 
@@ -73,7 +92,9 @@ class Floats:
         InputError
             If it is not affine in the unknowns, or its shapes do not fit.
         """
-        return _Walk(self, text).run(parse(text))
+        if text not in self._affine:
+            self._affine[text] = _Walk(self, text).run(parse(text))
+        return self._affine[text]
 
     def constant(self, text: str) -> np.ndarray:
         """Nearest doubles of a formula without unknowns."""
@@ -81,28 +102,31 @@ class Floats:
 
     def exact(self, text: str) -> Matrix:
         """Exact value, or enclosure, of a formula without unknowns."""
+        if text not in self._exact:
+            self._exact[text] = self._evaluated(text)
+        return self._exact[text]
+
+    def _evaluated(self, text: str) -> Matrix:
         names = {}
         for name in formulas.names_in(text):
             if name in self._free:
                 raise CertificateError(f"formula {text[:80]!r}: {name!r} is unknown")
-            if name in self.definitions and name not in self._exact:
-                self._exact[name] = self.exact(self.definitions[name])
-            if name in self._exact:
-                names[name] = self._exact[name]
+            if name in self.definitions:
+                names[name] = self.exact(self.definitions[name])
         with precision(_BITS):
             return formulas.evaluate(text, names, self._reader)
 
     def named(self, name: str) -> Affine:
         """Expression of an unknown, or of a definition that holds unknowns."""
-        if name in self.unknowns:
-            return self.unknowns[name]
-        if name not in self._affine:
-            self._affine[name] = self.value(self.definitions[name])
-        return self._affine[name]
+        return self.unknowns[name] if name in self.unknowns else self.value(self.definitions[name])
 
     def is_free(self, name: str) -> bool:
         """Whether a name is an unknown, or a definition that holds unknowns."""
         return name in self._free
+
+
+def _alike(one: Variable, other: Variable | None) -> bool:
+    return other is not None and (one.kind, one.shape) == (other.kind, other.shape)
 
 
 class _Walk:

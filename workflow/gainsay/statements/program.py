@@ -95,19 +95,31 @@ class Stated:
         """Return the program with some parts replaced."""
         return replace(self, **parts)
 
-    def floats(self) -> Floats:
-        """Return the evaluator of the program's formulas over the unknowns of the LMI layer."""
-        return Floats(self.case, self.where, {name: unknown.variable(name) for name, unknown in self.unknowns.items()})
+    def floats(self, before: Floats | None = None) -> Floats:
+        """Return the evaluator of the program's formulas over the unknowns of the LMI layer.
 
-    def program(self) -> Program:
+        Parameters
+        ----------
+        before : Floats, optional
+            Of the program at other parameters: what means the same there is not evaluated again.
+        """
+        unknowns = {name: unknown.variable(name) for name, unknown in self.unknowns.items()}
+        return Floats(self.case, self.where, unknowns, before)
+
+    def program(self, floats: Floats | None = None) -> Program:
         """Return the program of the solver: constraints under the same labels, coefficients rounded once.
+
+        Parameters
+        ----------
+        floats : Floats, optional
+            The program's evaluator; a new one unless given.
 
         Raises
         ------
         InputError
             If a formula is not affine in the unknowns, or shapes do not fit.
         """
-        floats = self.floats()
+        floats = self.floats() if floats is None else floats
         constraints: list[Any] = [_constraint(constraint, floats) for constraint in self.constraints]
         for name, printed in self.boxes.items():
             rows = self.case.printed(printed).rows

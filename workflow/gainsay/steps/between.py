@@ -22,6 +22,14 @@ def _papers(folder: Path) -> set[str]:
     return found
 
 
+def _by_name(path: Path, column: str) -> dict[str, dict[str, str]]:
+    """Rows of a table by the column that names them; none where there is no such table."""
+    rows = read_records(path) if path.is_file() else []
+    if rows and column not in rows[0]:
+        raise InputError("no such column", file=str(path), row=1, value=column, expected="a table of results")
+    return {row[column]: row for row in rows}
+
+
 def _apart(one: str, other: str) -> str:
     """Say how far two texts are apart, relative to the larger, where both are numbers."""
     try:
@@ -50,10 +58,7 @@ def between(one: Path, other: Path) -> Iterator[str]:
         yield f"{paper}: only in {one if paper in first else other}"
     for paper in sorted(first & second):
         for table, (key, columns) in COMPARED.items():
-            rows = []
-            for folder in (one, other):
-                path = folder / paper / f"{table}.csv"
-                rows.append({row[key]: row for row in read_records(path)} if path.is_file() else {})
+            rows = [_by_name(folder / paper / f"{table}.csv", key) for folder in (one, other)]
             for name in dict.fromkeys([*rows[0], *rows[1]]):
                 if name not in rows[0] or name not in rows[1]:
                     yield f"{paper}  {table} {name}: only in {one if name in rows[0] else other}"

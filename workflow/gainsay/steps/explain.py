@@ -5,11 +5,12 @@ from pathlib import Path
 
 from gainsay.errors import InputError, one_of
 from gainsay.results.listing import damage
-from gainsay.results.returned import STEPS
+from gainsay.results.returned import STEPS, read_returned
 from gainsay.tables import Case, read_case
-from gainsay.tables.files import read_csv, read_records
+from gainsay.tables.files import read_csv
 from gainsay.tables.models import Claim
 from gainsay.tables.units import with_unit
+from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
 from gainsay.verdicts.table import outcomes
 
 _WIDTH = 16
@@ -27,7 +28,7 @@ def _row_of(case: Case, table: str, name: str) -> str:
 
 def _found(case: Case, table: str, column: str, name: str) -> dict[str, str]:
     path = case.results / f"{table}.csv"
-    rows = read_records(path, case.root) if path.is_file() else []
+    rows = read_returned(path, case.root) if path.is_file() else []
     return next((row for row in rows if row[column] == name), {})
 
 
@@ -115,8 +116,8 @@ def _state(case: Case) -> str:
         for step in (*STEPS, "verdicts", "compare", "page")
         for _ in damage(case.results / "parts" / f"{step}.files.csv", case.results)
     )
-    failures = len(read_records(case.results / "failures.csv", case.root))
-    differing = len(read_records(case.results / "differences.csv", case.root))
+    failures = len(read_returned(case.results / "failures.csv", case.root))
+    differing = len(read_returned(case.results / "differences.csv", case.root, DIFFERENCE_COLUMNS))
     remarks = [
         f"{count} {what}"
         for count, what in ((failures, "failures"), (differing, "differences"), (lost, "damaged files"))
@@ -125,12 +126,23 @@ def _state(case: Case) -> str:
     return ", ".join(remarks) or ("draft, nothing else to say" if case.paper.draft else "as on record")
 
 
+def _stand(case: Case) -> str:
+    path = case.results / "verdicts.csv"
+    counts = outcomes(row["verdict"] for row in read_returned(path, case.root)) if path.is_file() else ""
+    return f"{counts or 'no verdicts yet'}; {_state(case)}"
+
+
 def status(root: Path, papers: list[str]) -> list[str]:
-    """Return one screen on where the results stand: a line a paper with its verdicts and what differs."""
+    """Return one screen on where the results stand: a line a paper with its verdicts and what differs.
+
+    Results that cannot be read back are said in the line of their paper.
+    """
     lines = []
     for paper in papers:
         case = read_case(root, paper)
-        path = case.results / "verdicts.csv"
-        counts = outcomes(row["verdict"] for row in read_records(path, root)) if path.is_file() else ""
-        lines.append(f"{paper:<16}{len(case.claims):>4} claims: {counts or 'no verdicts yet'}; {_state(case)}")
+        try:
+            stand = _stand(case)
+        except InputError as error:
+            stand = str(error)
+        lines.append(f"{paper:<16}{len(case.claims):>4} claims: {stand}")
     return lines

@@ -17,9 +17,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gainsay.errors import InputError
+from gainsay.results.returned import read_returned
 from gainsay.steps.command import CLEAN, DIFFERENCES, refuse
 from gainsay.tables import Case, find_root, paper_names, read_case
-from gainsay.tables.files import read_records, write_csv
+from gainsay.tables.files import write_csv
 from gainsay.verdicts.differences import Difference, differences
 from gainsay.verdicts.record import scan_items, scans_of
 from gainsay.verdicts.tolerance import share
@@ -140,7 +141,7 @@ def _run_paper(place: Path, paper: str, environment: Mapping[str, str]) -> list[
 
 def shares(case: Case) -> Iterator[tuple[str, str, float]]:
     """Yield the name, class and share of its tolerance of every number on record that was computed."""
-    for row in read_records(case.results / "quantities.csv", case.root):
+    for row in read_returned(case.results / "quantities.csv", case.root):
         recorded = case.recorded.get(row["quantity"])
         if recorded is not None:
             yield row["quantity"], recorded.class_, share(recorded, float(row["value"]))

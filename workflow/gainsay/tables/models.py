@@ -1,6 +1,5 @@
 """Typed rows of the tables that a paper's folder holds; the schema and the column documentation come from here."""
 
-import re
 from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
@@ -53,8 +52,8 @@ def _decimal(value: str) -> str:
 
 
 def _plain(value: str) -> str:
-    if value != value.strip() or re.search(r"[\x00-\x1f\x7f\x85\u2028\u2029\ufffd]", value):
-        raise ValueError("text on one line without control characters or surrounding blanks")
+    if value != value.strip() or not value.isprintable() or "\ufffd" in value:
+        raise ValueError("text on one line without surrounding blanks or characters that do not show")
     return value
 
 
