@@ -22,8 +22,9 @@ from gainsay.lmi import (
     sym,
     symmetric,
 )
-from gainsay.lmi.affine import Affine
+from gainsay.lmi.affine import Affine, Definite
 from gainsay.lmi.lyapunov_forms import read_region, read_stein
+from gainsay.lmi.row_scales import region_scales, stein_scales
 
 
 def real_form(M):
@@ -238,3 +239,64 @@ def test_an_eigenvalue_barely_outside_is_not_let_in_by_rounding(power):
         A += (10.0**power - np.linalg.eigvals(A).real.max()) * np.eye(n)
         P = symmetric("P", n)
         assert isinstance(solve(Program(subject_to=lyapunov(A, P, P > 0))), Infeasible)
+
+
+def in_other_units(rng, constraints, power):
+    """Every row and every coordinate times a power of ten of its own: the same program."""
+    sizes = {v: 10.0 ** rng.uniform(-power, power, v.size) for v in Program(subject_to=constraints).variables}
+    changed = []
+    for constraint in constraints:
+        F, d = constraint.expression, 10.0 ** rng.uniform(-power, power, constraint.expression.shape[0])
+        both = np.outer(d, d)
+        terms = {v: c * both[:, :, None] * sizes[v] for v, c in F.terms.items()}
+        changed.append(Definite(constraint.label, Affine(F.constant * both, terms), constraint.strict, constraint.rows))
+    return changed
+
+
+def free_lyapunov(rng, outside):
+    P = symmetric("P", 4)
+    return lyapunov(moved(rng, 4, outside), P, P > 0)
+
+
+def free_stein(rng, outside):
+    P = symmetric("P", 4)
+    return stein(moved(rng, 4, outside, True), P, P > 0)
+
+
+def in_a_cone(rng, outside):
+    L, M = (np.array(part) for part in REGIONS["cone"])
+    A = np.array([[-1.0, 2.0 if outside else 0.5], [-2.0 if outside else -0.5, -1.0]])
+    T = rng.standard_normal((2, 2)) + 3 * np.eye(2)
+    return placed(L, M, np.linalg.solve(T, A @ T))
+
+
+def completed(rng, outside):
+    P, F = symmetric("P", 3), BlockMatrix("Stein", "a", "b")
+    F["a", "a"], F["a", "b"], F["b", "b"] = P, moved(rng, 3, outside, True).T @ P, P
+    return [F > 0]
+
+
+@pytest.mark.parametrize("made", [free_lyapunov, free_stein, in_a_cone, completed, a_vertex, diagonal_form])
+@pytest.mark.parametrize("power", [1, 4])
+def test_units_of_rows_and_unknowns_change_no_outcome(made, power):
+    rng = np.random.default_rng(33)
+    for outside in (False, True):
+        program = Program(subject_to=in_other_units(rng, made(rng, outside), power))
+        assert isinstance(solve(program), Infeasible if outside else Solved)
+
+
+def test_the_scales_of_rows_are_read_from_coefficients():
+    rng = np.random.default_rng(34)
+    A, basis = rng.standard_normal((3, 3)), symmetric("P", 3).terms
+    ((_, basis),) = basis.items()
+    d, e, sizes = (10.0 ** rng.uniform(-3, 3, n) for n in (3, 3, 6))
+    behind = np.einsum("ijk,jl->ilk", basis, A)
+    forms = behind + behind.transpose(1, 0, 2), basis - np.einsum("ji,jlk,lm->imk", A, basis, A)
+    given = basis * np.outer(e, e)[:, :, None] * sizes
+    for form, read in zip(forms, (region_scales, stein_scales), strict=True):
+        weights = read(form * np.outer(d, d)[:, :, None] * sizes, given)
+        ratio = weights * d / e
+        np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
+    assert np.array_equal(region_scales(forms[0], basis), np.ones(3))
+    # a complex P in reals has no unknown in one entry: no scale is seen
+    assert np.array_equal(stein_scales(*2 * (np.dstack([np.eye(2)]),)), np.ones(2))

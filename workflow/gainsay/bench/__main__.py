@@ -50,6 +50,7 @@ def main() -> int:
         print("CPU seconds of the tasks, and the share of bare solves, bare integrations and imports in them")
         for row in rows.result():
             print(row, flush=True)
+            unmeasured += isinstance(row, str)
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     seconds = sum(u.ru_utime + u.ru_stime for u in used)
     print(

@@ -29,6 +29,7 @@ from gainsay.lmi.outcomes import Farkas
 from gainsay.lmi.points import is_strict
 from gainsay.lmi.program import Program, Row
 from gainsay.lmi.rounding import gamma, proved_positive
+from gainsay.lmi.row_scales import region_scales, stein_scales
 
 # error of an entry of A, relative to the sizes that it is summed of
 _ROUNDING = 32 * 2.0**-53
@@ -117,20 +118,22 @@ def refutation(program: Program) -> Farkas | None:
 def _refuted(program: Program, stated: _Stated, positive: _Positive) -> Farkas | None:
     if not (stated.part.strict or positive.strict):
         return None
-    region = read_region(-stated.tensor, positive.tensor)
+    basis, n = positive.tensor, len(positive.tensor)
+    w = region_scales(-stated.tensor, basis)
+    region = read_region(-stated.tensor * np.outer(w, w)[:, :, None], basis)
     if region is not None:
         for value, u, v in _outside(region):
             if _unstable(*_compressed(region, u), "Lyapunov"):
-                return _told(
-                    program, stated, np.kron(u, v), positive, value, v, "Lyapunov" if len(u) == 1 else "region"
-                )
-    if region is None and stated.size == len(positive.tensor):
-        for A, size in read_stein(stated.tensor, positive.tensor):
+                kind = "Lyapunov" if len(u) == 1 else "region"
+                return _told(program, stated, w * np.kron(u, v), positive, value, v, kind)
+    if region is None and stated.size == n:
+        w = stein_scales(stated.tensor, basis)
+        for A, size in read_stein(stated.tensor * np.outer(w, w)[:, :, None], basis):
             if _unstable(A, size, "Stein"):
                 eigenvalues, vectors = np.linalg.eig(A)
                 last = int(np.argmax(np.abs(eigenvalues)))
                 v = vectors[:, last]
-                return _told(program, stated, v, positive, abs(eigenvalues[last]) ** 2 - 1, v, "Stein")
+                return _told(program, stated, w * v, positive, abs(eigenvalues[last]) ** 2 - 1, v, "Stein")
     return None
 
 
@@ -294,6 +297,10 @@ def _compressed(region: Region, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _unstable(A: np.ndarray, size: np.ndarray, kind: str) -> bool:
     """Prove by a matrix of the wrong inertia that every matrix within rounding of `size` around A is unstable."""
+    from scipy.linalg import matrix_balance
+
+    _, (units, _) = matrix_balance(A, permute=False, separate=True)  # powers of two: nothing is rounded
+    A, size = A * units / units[:, None], size * units / units[:, None]
     for H in candidates(A, kind):
         large = size.T @ np.abs(H)
         if kind == "Lyapunov":

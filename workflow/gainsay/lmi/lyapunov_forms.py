@@ -19,6 +19,8 @@ from gainsay.lmi.rounding import gamma
 
 __all__ = ["Region", "read_region", "read_stein"]
 
+#: roundings of a change of the units of rows and unknowns
+_UNITS = 8
 #: coefficient of a fit that is taken for zero, relative to what it is fitted to
 _NOTHING = 1e-11
 #: entries of the equations of a matrix that are solved together
@@ -53,8 +55,8 @@ class Region:
 
 
 def within_rounding(given: np.ndarray, made: np.ndarray, size: np.ndarray, terms: int) -> bool:
-    """Whether coefficients differ by the rounding of sums of so many products, entry by entry."""
-    return bool((np.abs(given - made) <= 2 * gamma(terms) * size).all())
+    """Whether coefficients differ by the rounding of sums of so many products, and of units, entry by entry."""
+    return bool((np.abs(given - made) <= 2 * gamma(terms + _UNITS) * size).all())
 
 
 def read_region(value: np.ndarray, basis: np.ndarray) -> Region | None:
@@ -230,7 +232,10 @@ def _by_rows(outer: np.ndarray, basis: np.ndarray) -> Iterator[np.ndarray]:
         if not len(single):
             return
         square = outer[:, :, single[0]] / diagonal[i, single[0]]
-        lead = int(np.argmax(np.diagonal(square)))
+        diagonals = np.diagonal(square).copy()
+        if np.delete(diagonals, i).max(initial=0.0) > 0:
+            diagonals[i] = 0.0  # the own entry is a difference from that of P
+        lead = int(np.argmax(diagonals))
         if square[lead, lead] > 0:
             A[i] = square[lead] / np.sqrt(square[lead, lead])
     for k in np.flatnonzero(counts == 2):

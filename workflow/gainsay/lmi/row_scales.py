@@ -1,0 +1,107 @@
+"""Scales of the rows of an inequality beside those of P: a change of the units of one and not of the other.
+
+``D F D > 0`` says what F > 0 says, but has the coefficients of no Lyapunov inequality in ``E P E``. The ratios of D to
+E are read from coefficients of unknowns that stand in one entry of P: a row of A is seen through each of them.
+"""
+
+import numpy as np
+
+__all__ = ["region_scales", "stein_scales"]
+
+#: ratio that is taken for one
+_ONE = 1e-12
+
+
+def region_scales(value: np.ndarray, basis: np.ndarray) -> np.ndarray:
+    """Weights w of rows with which ``w w' value`` may be the form of a region at `basis`; ones where none are seen.
+
+    Parameters
+    ----------
+    value : ndarray, shape (m n, m n, k)
+    basis : ndarray, shape (n, n, k)
+
+    Returns
+    -------
+    ndarray, shape (m n,)
+    """
+    n = len(basis)
+    single = _single(basis)
+    blocks = [slice(start, start + n) for start in range(0, len(value), n)]
+    return _weights(np.concatenate([_ratios(value[rows, rows], basis, single) for rows in blocks]))
+
+
+def _ratios(value: np.ndarray, basis: np.ndarray, single: dict[tuple[int, int], int]) -> np.ndarray:
+    """Ratios of the rows' scales of one block to those of P, each set of rows that P joins to its own unit.
+
+    With A'E + E A at E = e_i e_j' + e_j e_i', entry (i, q) is a_jq, and twice a_ji for q = i; at e_j e_j', entry (j, q)
+    is a_jq too.
+    """
+    n = len(basis)
+    own = {place: value[:, :, k] / basis[place][k] for place, k in single.items()}
+    h, left = np.zeros(n), set(range(n))
+    while left:
+        reached, seen = [min(left)], {min(left)}
+        h[reached[0]] = 1.0
+        for j in reached:
+            for i in left - seen:
+                ratio = _step(own, i, j) or 1 / (_step(own, j, i) or np.inf)
+                if ratio > 0:
+                    h[i] = ratio * h[j]
+                    reached.append(i)
+                    seen.add(i)
+        left -= seen
+        if len(reached) < n:  # what is not joined has no unit in common: that of its own coefficients
+            sizes = [abs(own[i, i][i, i]) / h[i] ** 2 for i in reached if (i, i) in own]
+            h[reached] *= np.sqrt(max(sizes, default=0.0) or 1.0)
+    return h
+
+
+def _step(own: dict[tuple[int, int], np.ndarray], i: int, j: int) -> float:
+    """Ratio of row i to row j; zero where it is not seen."""
+    joint, alone = own.get((min(i, j), max(i, j))), own.get((j, j))
+    if joint is None or alone is None:
+        return 0.0
+    row = np.abs(alone[j])
+    row[j] = 0.0
+    q = int(np.argmax(row))
+    return float(joint[i, q] / alone[j, q]) / (2 if q == i else 1) if row[q] > 0 else 0.0
+
+
+def stein_scales(value: np.ndarray, basis: np.ndarray) -> np.ndarray:
+    """Weights w with which ``w w' value`` may be ``P - A'P A`` at `basis`; ones where none are seen.
+
+    At e_i e_i' the form is ``e_i e_i' - a a'``, a the row of A, whose entry i follows from the others.
+
+    Parameters
+    ----------
+    value, basis : ndarray, shape (n, n, k)
+    """
+    n, single = len(basis), _single(basis)
+    squares = np.ones(n)
+    for i in range(n):
+        if (i, i) not in single:
+            return np.ones(n)
+        k = single[i, i]
+        form = value[:, :, k] / basis[i, i, k]
+        others = -np.diagonal(form).copy()
+        others[i] = 0.0
+        q = int(np.argmax(others))
+        squares[i] = form[i, i] + (form[i, q] ** 2 / others[q] if others[q] > 0 else 0.0)
+    return _weights(np.sqrt(np.maximum(squares, 0.0)))
+
+
+def _single(basis: np.ndarray) -> dict[tuple[int, int], int]:
+    """Unknowns that stand in one entry of P (and its mirror image), by that entry."""
+    found = {}
+    counts = np.count_nonzero(basis, axis=(0, 1))
+    for k in np.flatnonzero((counts > 0) & (counts <= 2)):
+        i, j = (int(t) for t in np.argwhere(basis[:, :, k])[0])
+        if counts[k] == (1 if i == j else 2):
+            found[i, j] = int(k)
+    return found
+
+
+def _weights(ratios: np.ndarray) -> np.ndarray:
+    if not (np.isfinite(ratios).all() and (ratios > 0).all()) or np.abs(ratios / ratios[0] - 1).max() < _ONE:
+        return np.ones(len(ratios))
+    return 1 / ratios
