@@ -238,4 +238,5 @@ def save(spec: FigureSpec, logs: Mapping[str, Log], case: Case, folder: Path) ->
         for ending, metadata in (("svg", {"Date": None, "Creator": None}), ("png", {"Software": None})):
             temporary = folder / f".{spec.name}.{ending}"
             figure.savefig(temporary, format=ending, dpi=RESOLUTION, metadata=metadata)
+            figure.set_layout_engine("none")  # what was laid out for the first file stands in the second
             temporary.replace(folder / f"{spec.name}.{ending}")
