@@ -14,6 +14,8 @@ for paper in ALL:
                 made(paper, step),
             log:
                 said(paper, step),
+            # the longest first, so that no core waits for one of them at the end
+            priority: 1 if step == "simulation" else 2
             params:
                 paper=paper,
                 step=step,
