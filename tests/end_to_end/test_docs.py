@@ -1,6 +1,8 @@
 """What the documentation tells a reader to type works, and its tables leave nothing out."""
 
+import argparse
 import csv
+import json
 import math
 import os
 import re
@@ -20,16 +22,18 @@ from gainsay.tables.models import Comparator, Kind
 ROOT = Path(__file__).resolve().parents[2]
 GUIDE = ROOT / "docs" / "adding-a-paper.md"
 CAPTIONS = ROOT / "workflow/gainsay/rules/captions"
-PAGES = [
-    ROOT / "README.md", ROOT / "CONTRIBUTING.md", GUIDE, ROOT / "docs" / "architecture.md",
-    ROOT / "workflow/gainsay/scaffold/project/README.md",
-]  # fmt: skip
+SCAFFOLD = ROOT / "workflow/gainsay/scaffold/project"
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(ROOT.glob("docs/*.md")), SCAFFOLD / "README.md"]
+#: what names a command and is none: a placeholder of a page, or the program in general
+ANY = re.compile(r"STEP|\.\.\.")
 
 
 def typed(page: Path) -> list[str]:
-    """Lines of blocks of code that begin with a command, without the description after two blanks."""
-    lines = [line.strip() for line in page.read_text().splitlines()]
-    return [re.split(r"\s{2,}|\s#", line)[0] for line in lines if line.startswith(("gainsay ", "make "))]
+    """Lines of blocks of code that begin with a command, without the description after two blanks; commands in text."""
+    text = page.read_text()
+    lines = [line.strip().removeprefix("- run: ").removeprefix("run: ") for line in text.splitlines()]
+    found = [re.split(r"\s{2,}|\s#", line)[0] for line in lines if line.startswith(("gainsay ", "make "))]
+    return found + [inline for inline in re.findall(r"`(gainsay \w[^`]* [^`]+)`", text) if not ANY.search(inline)]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -43,8 +47,20 @@ def test_every_command_of_a_page_is_one(page):
             _parser().parse_args(arguments)  # ends with an error where it is none
 
 
+def test_the_job_that_a_project_copies_runs_commands():
+    assert len(typed(SCAFFOLD / "ci.yaml")) == 2
+    for line in typed(SCAFFOLD / "ci.yaml"):
+        _parser().parse_args(shlex.split(line)[1:])
+
+
+def test_every_command_is_run_by_a_test():
+    (commands,) = (a for a in _parser()._actions if isinstance(a, argparse._SubParsersAction))
+    tests = "".join(path.read_text() for path in (ROOT / "tests").rglob("test_*.py") if path != Path(__file__))
+    assert [name for name in commands.choices if f'"{name}"' not in tests] == []
+
+
 def test_every_link_leads_somewhere():
-    for page in PAGES[:4]:
+    for page in PAGES:
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
 
@@ -69,6 +85,14 @@ def test_every_kind_and_comparator_is_explained():
     assert set(COMPARATORS) == set(get_args(Comparator))
 
 
+def test_the_package_is_installed_by_its_file_for_another_has_its_name():
+    """`--find-links` alone takes whatever the index holds under this name with a higher version."""
+    (line,) = [line for line in GUIDE.read_text().splitlines() if "pip install" in line]
+    assert '`pip install "$(ls wheels/gainsay-*.whl)[workflow,view]"`' in line
+    (wanted,) = [line for line in (SCAFFOLD / "requirements.txt").read_text().splitlines() if not line.startswith("#")]
+    assert wanted == "./wheels/gainsay-VERSION-py3-none-any.whl[workflow,view]"
+
+
 @pytest.mark.slow
 def test_the_guide_from_an_empty_folder(tmp_path):
     """Every block of the guide that a reader types, in order, ends without an error."""
@@ -81,6 +105,9 @@ def test_the_guide_from_an_empty_folder(tmp_path):
             timeout=600,
         )  # fmt: skip
         assert done.returncode == 0, done.stdout + done.stderr
+        if "snakemake --cores 2\n" in block:  # says at once what it begins, and stays on a screen
+            assert re.search(r"^\d+ steps to run, smith1999_synthesis first;", done.stdout, re.MULTILINE)
+            assert len((done.stdout + done.stderr).splitlines()) <= 60
     assert (tmp_path / "papers/smith1999/recorded.csv").is_file()
 
 
@@ -105,6 +132,15 @@ def test_the_examples_are_clean_in_a_project_of_their_own(tmp_path):
     assert len(captions) == 4
     for caption in captions:
         assert " ".join(caption) in page
+    # the search finds the design on file again, but for the path of the solver
+    before = json.loads((root / "papers/scherer1997/designs/mixed.json").read_text())["outcome"]["h2"]
+    searched = subprocess.run(
+        [sys.executable, "-m", "gainsay.cli", "search", "scherer1997"], cwd=root, capture_output=True, text=True,
+        check=False, timeout=120,
+    )  # fmt: skip
+    assert searched.returncode == 0, searched.stdout + searched.stderr
+    after = json.loads((root / "papers/scherer1997/designs/mixed.json").read_text())["outcome"]["h2"]
+    assert float(after) == pytest.approx(float(before), rel=1e-3)
     found = {}
     for name in ("double_integrator", "scherer1997"):
         with (root / "results" / name / "quantities.csv").open(newline="") as file:

@@ -112,7 +112,7 @@ def test_help_lists_every_command(capsys):
     assert all(f"    {name} " in said for name in COMMANDS)
 
 
-@pytest.mark.parametrize("arguments", [[], ["solve"], ["lint", "--fast"], ["prove"]])
+@pytest.mark.parametrize("arguments", [[], ["--solve"], ["lint", "--fast"], ["prove"]])
 def test_wrong_usage_has_the_exit_code_of_bad_input(arguments, capsys):
     with pytest.raises(SystemExit) as caught:
         cli.main(arguments)

@@ -84,3 +84,36 @@ def test_the_examples_of_the_docs_are_well_formed(root):
     examples = [path.name for path in (ROOT / "docs/examples").iterdir()]
     assert len(examples) == 3
     assert not [name for name in examples if read_case(root, name).paper.draft]
+
+
+SEARCHES = '''"""A design by hand."""
+
+import numpy as np
+
+from gainsay.tables.designs import FoundDesign
+
+SEARCHES = {
+    "robust": lambda case: FoundDesign(
+        asked="a gain", method="by hand", converged=True, outcome={}, matrices={"K": np.array([[0.5, 2.25]])}
+    )
+}
+'''
+
+
+def test_a_search_writes_the_design_that_a_run_reads(root, capsys, monkeypatch):
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    paper = root / "papers/toy2001"
+    (paper / "paper.toml").write_text(
+        (paper / "paper.toml").read_text().replace("[designs]", '[designs]\nrobust = "a gain by hand"')
+    )
+    (paper / "searches.py").write_text(SEARCHES)
+    assert cli.main(["--root", str(root), "search", "toy2001", "robst"]) == 2
+    assert "'robust'?" in capsys.readouterr().err
+    assert not (paper / "designs/robust.json").exists()
+    assert cli.main(["--root", str(root), "search", "toy2001", "robust"]) == 0
+    assert read_case(root, "toy2001").designs["robust"]["K"].tolist() == [[0.5, 2.25]]
+
+
+def test_an_unknown_command_is_answered_with_the_nearest(root, capsys):
+    assert cli.main(["chek"]) == 2
+    assert "bad input: unknown command 'chek': expected 'check'? It is one of lint, check," in capsys.readouterr().err

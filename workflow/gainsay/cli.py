@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from gainsay import __version__
-from gainsay.errors import ComputationError, GainsayError, InputError, missing_extra, one_line
+from gainsay.errors import ComputationError, GainsayError, InputError, missing_extra, one_line, one_of
 from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, broken_off, refuse
 from gainsay.tables import Case, find_root, paper_names, read_case
 
@@ -358,10 +358,20 @@ def _add_log_commands(add: Callable[..., argparse.ArgumentParser]) -> None:
     replayed.add_argument("--numbers-only", action="store_true", help="leave the figures out")
 
 
+def _refuse_unknown(parser: argparse.ArgumentParser, arguments: Sequence[str]) -> None:
+    """Refuse a first word that is no command, with the nearest one; what begins with a dash is for the parser."""
+    (commands,) = (a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
+    first = arguments[0] if arguments else "-"
+    if not first.startswith("-") and first not in commands.choices:
+        raise InputError("unknown command", value=first, expected=one_of(first, commands.choices, most=20))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code."""
-    options = _parser().parse_args(arguments)
+    parser = _parser()
     try:
+        _refuse_unknown(parser, sys.argv[1:] if arguments is None else arguments)
+        options = parser.parse_args(arguments)
         if options.work not in (diff, verify) and getattr(options, "project", None) is None:  # these need no project
             options.root = find_root(options.root)
         code = options.work(options)

@@ -112,6 +112,11 @@ def integrate(
     kinks : sequence of callables
         Functions g(t, x) at whose zeros the right-hand side has a kink; a step never reaches across one.
 
+    Returns
+    -------
+    Trajectory
+        Called with times, shape (N,), it gives the states there, shape (N, states): ``found(time)``.
+
     Raises
     ------
     InputError

@@ -250,7 +250,8 @@ def read_csv(path: Path, root: Path | None = None) -> tuple[list[str], list[tupl
     for number, cells in rows:
         if len(cells) != len(header):
             what = f"{len(cells)} cells" if cells else "an empty row"
-            raise InputError(what, file=file, row=number, expected=f"{len(header)} cells")
+            more = "; one that holds a comma stands in quotes" if len(cells) > len(header) else ""
+            raise InputError(what, file=file, row=number, expected=f"{len(header)} cells{more}")
     return header, rows
 
 
