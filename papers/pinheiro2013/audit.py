@@ -4,10 +4,9 @@ from itertools import product
 
 import numpy as np
 
-from gainsay.lmi import Solved
-from gainsay.proof import build
 from gainsay.results import Results, task
-from gainsay.statements import Stated, differing, identical, read_constraint, symmetric
+from gainsay.statements import differing, identical
+from gainsay.systems import loop_proofs
 from gainsay.systems.spectrum import spectral_abscissa
 from gainsay.tables import Case
 from papers.pinheiro2013 import proofs, statements
@@ -347,26 +346,15 @@ def _certify_vertices(
     **definitions: str,
 ) -> None:
     """Prove a spectral abscissa over the whole box by one Lyapunov matrix at its vertices."""
-    texts = statements.vertices(group)
-    definitions = {**statements.inputs(design[0]), **definitions, "K": f"design('{design}', 'K_{group}')"}
-    for alpha in (f"{0.5 * worst:.6g}", "0"):
-        decay = [
-            read_constraint(f"sym(P@({text})) - 2*({alpha})*P < 0", f"vertex {i}") for i, text in enumerate(texts, 1)
-        ]
-        unknowns = {"P": symmetric(2 if group == "pitch" else 4)}
-        found = Stated(case, [decay, "P > 0"], None, unknowns, definitions, label="vertices", margin=1e-5).solve()
-        if isinstance(found, Solved):
-            break
     results.certificate(
-        build.certificate(
-            "lyapunov",
+        loop_proofs.box_left_of(
+            case,
+            statements.vertices(group),
+            (f"{0.5 * worst:.6g}", "0"),
+            definitions={**statements.inputs(design[0]), **definitions, "K": f"design('{design}', 'K_{group}')"},
             id=id.replace("_", "-"),
-            tables=case,
             statement=f"The loop {design}, {group}, is stable for every change of the moments within "
             f"{within}, with one P.",
-            definitions=definitions,
-            fields={"matrix": texts, "alpha": alpha},
-            witness={"P": found.need(f"robustness, {design}, {group}")["P"]},
             quantities={"abscissa": quantity},
             faith=(
                 "That every closed loop of the box is a convex combination of the vertices: each row of (8) is affine"
