@@ -25,7 +25,7 @@ UNREACHED = (
 LONGEST = 200  # characters shown of what a command said
 
 
-def wanted() -> str:
+def fingerprint() -> str:
     """Return what a finished environment says of itself first: where it stands and what it was made of and with."""
     digest = hashlib.sha256()
     for name in ("requirements.lock", "pyproject.toml"):
@@ -47,7 +47,7 @@ def finished() -> bool:
     if not ready.is_file() or not (VENV / "bin" / "python").exists():
         return False
     text = ready.read_text(encoding="utf-8")
-    return text.startswith(wanted()) and set(text.removeprefix(wanted()).splitlines()) <= set(inventory())
+    return text.startswith(fingerprint()) and set(text.removeprefix(fingerprint()).splitlines()) <= set(inventory())
 
 
 def refuse(message: str) -> None:
@@ -106,7 +106,7 @@ def build() -> None:
     run(uv, *own, doing="installing the project")
     run(python, "-m", "compileall", "-q", "workflow/gainsay", "papers", doing="compiling the project")
     whole = VENV / "ready.part"
-    whole.write_text(wanted() + "".join(f"{name}\n" for name in inventory()), encoding="utf-8")
+    whole.write_text(fingerprint() + "".join(f"{name}\n" for name in inventory()), encoding="utf-8")
     whole.replace(VENV / "ready")
 
 

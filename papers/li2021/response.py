@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gainsay.simulation.periodic import Extreme, PeriodicSolution, held, with_oscillators
+from gainsay.simulation.periodic import Extreme, PeriodicSolution, piecewise, with_oscillators
 from gainsay.tables import Case
 from papers.li2021 import plant
 
@@ -123,4 +123,4 @@ def redrawn(
     factors = 1 + generator.random((count, 12))
     stack = np.repeat(loop.nominal[None], count, axis=0)
     stack[:, :20, :20] = plant.closed_loop(loop.plant, loop.gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
-    return held(stack, interval, loop.start(), inner=max(1, round(interval / node)))
+    return piecewise(stack, interval, loop.start(), inner=max(1, round(interval / node)))

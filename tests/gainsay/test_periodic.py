@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from gainsay.errors import InputError
-from gainsay.simulation.periodic import PeriodicSolution, held, magnus_step, with_oscillators
+from gainsay.simulation.periodic import PeriodicSolution, magnus_step, piecewise, with_oscillators
 
 RNG = np.random.default_rng(7)
 BASE = RNG.standard_normal((5, 5)) - 2.5 * np.eye(5)
@@ -81,19 +81,19 @@ def test_largest_after():
 
 def test_held_gains():
     # identity: with the same matrix in every interval it is one exponential
-    times, states = held(np.repeat(BASE[None], 4, axis=0), 0.3, np.ones(5), inner=3)
+    times, states = piecewise(np.repeat(BASE[None], 4, axis=0), 0.3, np.ones(5), inner=3)
     assert np.allclose(times, 0.1 * np.arange(13))
     assert np.allclose(states[-1], expm(1.2 * BASE) @ np.ones(5), rtol=1e-11)
     # and with two it is their product in order of time
     pair = np.stack([BASE, SLOPE])
-    assert np.allclose(held(pair, 0.2, np.ones(5))[1][-1], expm(0.2 * SLOPE) @ expm(0.2 * BASE) @ np.ones(5))
+    assert np.allclose(piecewise(pair, 0.2, np.ones(5))[1][-1], expm(0.2 * SLOPE) @ expm(0.2 * BASE) @ np.ones(5))
 
 
 def test_bad_input():
     with pytest.raises(InputError):
         PeriodicSolution(varying, 0.0, np.ones(5), 1)
     with pytest.raises(InputError):
-        held(BASE[None], -1.0, np.ones(5))
+        piecewise(BASE[None], -1.0, np.ones(5))
     with pytest.raises(InputError):
         with_oscillators(BASE, np.zeros((4, 3)), 1.0)
     with pytest.raises(InputError):

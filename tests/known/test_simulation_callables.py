@@ -12,7 +12,7 @@ from gainsay.simulation.batch import segments
 from gainsay.simulation.delay import DelayLaw, simulate_delay
 from gainsay.simulation.linear import Response, with_harmonics
 from gainsay.simulation.ode import integrate, largest, last_crossing
-from gainsay.simulation.periodic import PeriodicSolution, held, with_oscillators
+from gainsay.simulation.periodic import PeriodicSolution, piecewise, with_oscillators
 
 NAN, INF, ONE = math.nan, math.inf, np.eye(1)
 NO_NUMBERS = ("1", None, 1j, [1.0, "a"], {}, b"1")
@@ -61,7 +61,7 @@ REFUSED = {
        for v in (*NO_NUMBERS, NAN, 1e9)},
     **{f"last exit of level {v!r}": lambda v=v: MATHIEU.last_exit(lambda t, x: x[..., 0], v)
        for v in (*NO_NUMBERS, NAN)},
-    **{f"held loops {v!r}": lambda v=v: held(v, 1.0, [1.0]) for v in (*NO_NUMBERS, 1.0)},
+    **{f"held loops {v!r}": lambda v=v: piecewise(v, 1.0, [1.0]) for v in (*NO_NUMBERS, 1.0)},
     **{f"oscillator rate {v!r}": lambda v=v: with_oscillators(np.eye(2), np.ones((2, 3)), v)
        for v in (*NO_NUMBERS, NAN, INF)},
     **{f"harmonic {name} {v!r}": lambda name=name, v=v: with_harmonics(
@@ -131,7 +131,7 @@ def test_a_function_that_is_none_has_no_last_exit():
 
 def test_gains_held_beyond_doubles_are_refused():
     with pytest.raises(ComputationError, match="double precision"), np.errstate(all="ignore"):
-        held(np.full((3, 1, 1), 800.0), 1.0, [1.0])
+        piecewise(np.full((3, 1, 1), 800.0), 1.0, [1.0])
 
 
 def test_sliding_along_a_kink_is_said():

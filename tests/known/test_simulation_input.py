@@ -11,7 +11,7 @@ from gainsay.errors import ComputationError, InputError
 from gainsay.simulation.delay import DelayLaw, simulate_delay
 from gainsay.simulation.linear import Response
 from gainsay.simulation.ode import integrate
-from gainsay.simulation.periodic import held
+from gainsay.simulation.periodic import piecewise
 
 NAN, INF, ONE = float("nan"), float("inf"), np.eye(1)
 
@@ -40,9 +40,9 @@ REFUSED = {
     "response of no matrix": lambda: Response(NAN * ONE, np.ones(1), 1.0, 10),
     "response from nowhere": lambda: Response(-ONE, np.array([NAN]), 1.0, 10),
     **{f"response at {t!r}": lambda t=t: Response(-ONE, np.ones(1), 1.0, 10).at(t) for t in (-1.0, 2.0, NAN)},
-    **{f"held for {hold!r}": lambda hold=hold: held(-ONE[None], hold, np.ones(1)) for hold in (0.0, -1.0, NAN, INF)},
-    "held without loops": lambda: held(np.zeros((0, 1, 1)), 1.0, np.ones(1)),
-    "held loops that are none": lambda: held(NAN * ONE[None], 1.0, np.ones(1)),
+    **{f"held for {t!r}": lambda t=t: piecewise(-ONE[None], t, np.ones(1)) for t in (0.0, -1.0, NAN, INF)},
+    "held without loops": lambda: piecewise(np.zeros((0, 1, 1)), 1.0, np.ones(1)),
+    "held loops that are none": lambda: piecewise(NAN * ONE[None], 1.0, np.ones(1)),
     "delay from a text": lambda: delayed(initial=np.array(["a"])),
     "delay without a matrix": lambda: delayed(A=NAN * ONE),
     "delay with half a stage": lambda: delayed(stages=1.5),

@@ -11,7 +11,7 @@ from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber, double
 from gainsay.results.listing import LISTING_COLUMNS
 from gainsay.tables.case import Case
-from gainsay.tables.files import is_there, read_csv, shown
+from gainsay.tables.files import is_there, read_csv, short_path
 
 QUANTITY_COLUMNS = ("quantity", "value", "unit", "lower", "upper", "method", "source")
 GAIN_COLUMNS = (
@@ -112,7 +112,7 @@ def read_returned(path: Path, root: Path, columns: Sequence[str] = ()) -> list[d
     InputError
         If it is missing or not as a step writes it, naming file, row, column and value.
     """
-    file, table = shown(path, root), path.name.split(".")[-2]
+    file, table = short_path(path, root), path.name.split(".")[-2]
     columns = columns or COLUMNS[table]
     header, lines = read_csv(path, root)
     if header != list(columns):

@@ -224,7 +224,7 @@ class PeriodicSolution:
         return float(high)
 
 
-def held(loops: np.ndarray, hold: float, start: np.ndarray, inner: int = 1) -> tuple[np.ndarray, np.ndarray]:
+def piecewise(loops: np.ndarray, hold: float, start: np.ndarray, inner: int = 1) -> tuple[np.ndarray, np.ndarray]:
     """Solution of x' = A_k x on [k hold, (k + 1) hold): gains redrawn and held, exact at every node.
 
     Parameters

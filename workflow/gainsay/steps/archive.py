@@ -22,7 +22,7 @@ from gainsay.steps.check import LISTED, file_differences, shared_differences
 from gainsay.steps.closure import LIBRARY, PAPER_MODULES, sources
 from gainsay.tables import Case, paper_names
 from gainsay.tables.contract import CONTRACT
-from gainsay.tables.files import read_json, shown
+from gainsay.tables.files import read_json, short_path
 
 #: the description of a crate, and of what its results conform to
 METADATA, RESULTS_PROFILE = "ro-crate-metadata.json", "#contract"
@@ -97,10 +97,10 @@ def inputs(case: Case) -> Iterator[str]:
     yield from (file for file in PROJECT if (root / file).is_file())
     for path in case.folder.rglob("*"):
         if path.is_file() and "__pycache__" not in path.parts and not path.name.startswith("."):
-            yield shown(path, root)
+            yield short_path(path, root)
     code = {file for step in PAPER_MODULES for file in sources(root, step, case.name)}
     if LIBRARY.is_relative_to(root):
-        code |= {shown(path, root) for kind in ("rules/**/*", "report/templates/*") for path in LIBRARY.glob(kind)}
+        code |= {short_path(path, root) for kind in ("rules/**/*", "report/templates/*") for path in LIBRARY.glob(kind)}
     yield from (file for file in code if not Path(file).is_absolute() and (root / file).is_file())
 
 
@@ -110,7 +110,7 @@ def outputs(case: Case) -> Iterator[str]:
         listing = case.results / "parts" / f"{step}.files.csv"
         lists = [listing, derived_listing(listing, case.results)]
         files = [case.results / row["file"] for row in read_returned(listing, case.root)]
-        yield from (shown(path, case.root) for path in [*lists, *files] if path.is_file())
+        yield from (short_path(path, case.root) for path in [*lists, *files] if path.is_file())
 
 
 def shared(root: Path) -> Iterator[str]:

@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 
 from gainsay.errors import InputError
-from gainsay.tables.files import read_text, shown
+from gainsay.tables.files import read_text, short_path
 
 LIBRARY = Path(__file__).resolve().parents[1]
 #: the modules of a paper that each step runs; a page asks whether campaigns are of the code as it stands
@@ -129,14 +129,14 @@ def sources(root: Path, step: str, paper: str | None = None) -> list[str]:
     """
     found: set[Path] = set(closure(root, [f"gainsay.steps.{step}"]))
     if paper is None:
-        return sorted(shown(path, root) for path in found)
+        return sorted(short_path(path, root) for path in found)
     for module in PAPER_MODULES[step]:
         name = f"papers.{paper}.{module}"
         try:
             found |= set(closure(root, [name]))
         except SyntaxError:
             found |= set((root / "papers" / paper).glob("*.py"))
-    return sorted(shown(path, root) for path in found)
+    return sorted(short_path(path, root) for path in found)
 
 
 def table_digest(root: Path, paper: str) -> str:

@@ -10,7 +10,7 @@ from gainsay.figures import FigureSpec, save
 from gainsay.logs import Log, read_log
 from gainsay.results import Results
 from gainsay.steps.command import step_command
-from gainsay.steps.modules import paper_module, wanted
+from gainsay.steps.modules import is_declared, paper_module
 from gainsay.tables import Case
 
 
@@ -29,7 +29,7 @@ def figures(case: Case) -> None:
     results, read = Results(case, "figures"), cache(read_log)  # several figures are drawn from one log
     specs: Sequence[FigureSpec] = ()
     with results.task("figures", "import", quiet=True):
-        if wanted(case, "figures", case.paper.figures):
+        if is_declared(case, "figures", case.paper.figures):
             specs = paper_module(case, "figures").FIGURES
     for figure in specs:
         with results.task(figure.name, "draw"):

@@ -31,6 +31,6 @@ def paper_module(case: Case, name: str) -> ModuleType:
     return import_module(f"papers.{case.name}.{name}")
 
 
-def wanted(case: Case, name: str, declared: object) -> bool:
+def is_declared(case: Case, name: str, declared: object) -> bool:
     """Say whether a module of a paper has work to do: what it makes is declared in paper.toml, or it is there."""
     return bool(declared) or (case.folder / f"{name}.py").is_file()

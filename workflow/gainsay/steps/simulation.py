@@ -6,7 +6,7 @@ from gainsay.errors import InputError
 from gainsay.logs import LogWriter, RunSpec, read_log
 from gainsay.results import Results
 from gainsay.steps.command import step_command
-from gainsay.steps.modules import paper_module, wanted
+from gainsay.steps.modules import is_declared, paper_module
 from gainsay.tables import Case
 from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import read_text
@@ -52,7 +52,7 @@ def simulation(case: Case) -> None:
     results = Results(case, "simulation")
     runs: dict[str, RunSpec] = {}
     with results.task("runs", "import", quiet=True):
-        if wanted(case, "runs", case.paper.runs):
+        if is_declared(case, "runs", case.paper.runs):
             runs = {run.name: run for run in paper_module(case, "runs").RUNS}
     if runs and set(runs) != set(case.paper.runs):
         raise InputError(

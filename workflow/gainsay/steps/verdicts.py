@@ -42,11 +42,11 @@ def verdicts(case: Case) -> None:
         write_csv(case.results / f"{name}.csv", columns, rows)
     files = {f"{table}.csv": "" for table in tables}
     write_listing(case.results / "parts" / "verdicts.files.csv", case.results, files)
-    summary = counted(tables["verdicts"])
+    summary = count_verdicts(tables["verdicts"])
     print(f"{case.name}  verdicts    {summary}; {len(evidence.certificates)} certificates checked")
 
 
-def counted(verdicts: Table) -> str:
+def count_verdicts(verdicts: Table) -> str:
     """Say how many claims a table of verdicts holds, and how they came out."""
     columns, rows = verdicts
     return f"{len(rows)} claims: {outcomes(str(row[columns.index('verdict')]) for row in rows)}"

@@ -19,7 +19,7 @@ from gainsay.steps.archive import METADATA, RESULTS_PROFILE
 from gainsay.steps.check import file_differences, shared_differences
 from gainsay.steps.compare import compared
 from gainsay.steps.report import joined
-from gainsay.steps.verdicts import counted, judged
+from gainsay.steps.verdicts import count_verdicts, judged
 from gainsay.tables import Case, paper_names, read_case
 from gainsay.tables.contract import CONTRACT
 from gainsay.tables.files import Table, csv_text, read_json, read_text
@@ -127,7 +127,7 @@ def _paper(case: Case) -> tuple[list[str], str]:
     tables |= compared(case)
     wrong += [f"{case.name}: {file}: does not follow from the results" for file in _altered(case.results, tables)]
     wrong += [f"{case.name}: {row[1]} {row[2]}: not as on record" for row in tables["differences"][1]]
-    return wrong, f"{case.name}: {counted(verdicts)}; {len(evidence.certificates)} certificates accepted"
+    return wrong, f"{case.name}: {count_verdicts(verdicts)}; {len(evidence.certificates)} certificates accepted"
 
 
 def verify(crate: Path) -> tuple[list[str], list[str]]:

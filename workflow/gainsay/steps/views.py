@@ -9,7 +9,7 @@ from gainsay.logs.topics import Topics
 from gainsay.logs.views import write_views
 from gainsay.results import Results
 from gainsay.steps.command import step_command
-from gainsay.steps.modules import paper_module, wanted
+from gainsay.steps.modules import is_declared, paper_module
 from gainsay.tables import Case
 from gainsay.tables.files import write_atomically
 
@@ -19,7 +19,7 @@ def views(case: Case) -> None:
     results = Results(case, "views")
     layout: Any = None  # a Layout, where the paper has runs
     with results.task("views", "import", quiet=True):
-        if wanted(case, "runs", case.paper.runs):
+        if is_declared(case, "runs", case.paper.runs):
             layout = paper_module(case, "runs").LAYOUT
     topics = Topics()
     for run in case.paper.runs if layout is not None else ():

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
-from gainsay.tables.files import is_there, listed, read_json, shown, write_json
+from gainsay.tables.files import is_there, listed, read_json, short_path, write_json
 from gainsay.tables.models import Decimal, Filled, Name
 from gainsay.tables.reading import PrintedMatrix, expectation
 
@@ -163,7 +163,7 @@ def read_design(path: Path, root: Path | None = None) -> Design:
     InputError
         If the file is missing or malformed, or holds anything but finite decimal numbers.
     """
-    file = shown(path, root)
+    file = short_path(path, root)
     try:
         content = DesignFile.model_validate(read_json(path, root))
     except ValidationError as error:
@@ -188,6 +188,6 @@ def read_designs(folder: Path, declared: Mapping[str, str], root: Path | None = 
     """
     for path in listed(folder / "designs", root):
         if path.suffix == ".json" and path.stem not in declared:
-            raise InputError("design", file=shown(path, root), expected="a design that paper.toml names")
+            raise InputError("design", file=short_path(path, root), expected="a design that paper.toml names")
     paths = {name: design_path(folder, name) for name in declared}
     return {name: read_design(path, root) for name, path in paths.items() if is_there(path, root)}

@@ -96,7 +96,7 @@ def write_json(path: Path, content: object, default: Callable[[object], object] 
     write_atomically(path, text + "\n")
 
 
-def shown(path: Path, root: Path | None) -> str:
+def short_path(path: Path, root: Path | None) -> str:
     """Return a path relative to the project root where it lies inside it."""
     return str(path.relative_to(root)) if root is not None and path.is_relative_to(root) else str(path)
 
@@ -114,7 +114,7 @@ def is_there(path: Path, root: Path | None = None) -> bool:
     except (FileNotFoundError, NotADirectoryError):
         return False
     except (OSError, ValueError) as error:
-        raise InputError(_reason(error), file=shown(path, root), expected="a readable file") from None
+        raise InputError(_reason(error), file=short_path(path, root), expected="a readable file") from None
     return True
 
 
@@ -131,7 +131,7 @@ def listed(folder: Path, root: Path | None = None) -> list[Path]:
     except (FileNotFoundError, NotADirectoryError):
         return []
     except OSError as error:
-        raise InputError(_reason(error), file=shown(folder, root), expected="a readable folder") from None
+        raise InputError(_reason(error), file=short_path(folder, root), expected="a readable folder") from None
 
 
 def _reason(error: OSError | ValueError) -> str:
@@ -147,7 +147,7 @@ def open_regular(path: Path, root: Path | None = None) -> BinaryIO:
     InputError
         If it is missing, unreadable, or no regular file: a pipe would never end.
     """
-    file = shown(path, root)
+    file = short_path(path, root)
     try:
         handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a pipe must not make it wait
     except (FileNotFoundError, NotADirectoryError):
@@ -168,7 +168,7 @@ def read_bytes(path: Path, root: Path | None = None, *, most: int = LARGEST) -> 
     InputError
         As `open_regular`, or if it is larger than `most` bytes or cannot be read to its end.
     """
-    file = shown(path, root)
+    file = short_path(path, root)
     with open_regular(path, root) as stream:
         try:
             data = stream.read(most + 1)
@@ -190,7 +190,7 @@ def read_text(path: Path, root: Path | None = None) -> str:
     try:
         return read_bytes(path, root).decode()
     except UnicodeDecodeError as error:
-        raise InputError(f"byte {error.start}", file=shown(path, root), expected="UTF-8 text") from None
+        raise InputError(f"byte {error.start}", file=short_path(path, root), expected="UTF-8 text") from None
 
 
 def _single(pairs: list[tuple[str, object]]) -> dict[str, object]:
@@ -214,7 +214,7 @@ def read_json(path: Path, root: Path | None = None) -> object:
     try:
         return json.loads(text, object_pairs_hook=_single)
     except (ValueError, RecursionError) as error:
-        raise InputError(str(error), file=shown(path, root), expected="well-formed JSON") from None
+        raise InputError(str(error), file=short_path(path, root), expected="well-formed JSON") from None
 
 
 def read_csv(path: Path, root: Path | None = None) -> tuple[list[str], list[tuple[int, list[str]]]]:
@@ -231,7 +231,7 @@ def read_csv(path: Path, root: Path | None = None) -> tuple[list[str], list[tupl
     InputError
         If the file is missing, empty, ragged, malformed or cut within its last row; names file and row.
     """
-    file = shown(path, root)
+    file = short_path(path, root)
     text = read_text(path, root)
     if text and not text.endswith("\n"):
         raise InputError("no end of the last line", file=file, row=text.count("\n") + 1, expected="a final newline")

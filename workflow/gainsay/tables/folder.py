@@ -11,7 +11,7 @@ from gainsay.errors import InputError, one_of
 from gainsay.exact.digits import PrintedNumber
 from gainsay.tables.case import Case, Designs
 from gainsay.tables.designs import read_designs
-from gainsay.tables.files import listed, shown
+from gainsay.tables.files import listed, short_path
 from gainsay.tables.lint import lint
 from gainsay.tables.models import (
     Campaign,
@@ -128,7 +128,7 @@ def _check_parameter(row: Parameter, file: str, number: int) -> None:
 
 def _read_parameters(root: Path, folder: Path) -> tuple[Mapping[str, Parameter], dict[str, PrintedMatrix]]:
     path = folder / "parameters.csv"
-    file = shown(path, root)
+    file = short_path(path, root)
     rows = read_rows(path, Parameter, root)
     matrices = {}
     for number, row in rows.items():
@@ -144,7 +144,7 @@ def _read_parameters(root: Path, folder: Path) -> tuple[Mapping[str, Parameter],
         shape = int(named["rows"]), int(named["columns"])
         if matrix.shape != shape:
             raise InputError(
-                file=shown(folder / named["file"], root),
+                file=short_path(folder / named["file"], root),
                 field="shape",
                 value="{}x{}".format(*matrix.shape),
                 expected="{}x{}".format(*shape),

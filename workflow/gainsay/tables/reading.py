@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 
 from gainsay.errors import InputError
 from gainsay.exact.digits import PrintedNumber
-from gainsay.tables.files import is_there, read_csv, read_text, shown
+from gainsay.tables.files import is_there, read_csv, read_text, short_path
 from gainsay.tables.models import PaperFile, Row, columns, optional
 
 AnyRow = TypeVar("AnyRow", bound=Row)
@@ -45,7 +45,7 @@ def read_rows(path: Path, model: type[AnyRow], root: Path | None = None, *, requ
     InputError
         At the first fault, naming file, row, field, value and what was expected.
     """
-    file = shown(path, root)
+    file = short_path(path, root)
     if not required and not is_there(path, root):
         return {}
     header, rows = read_csv(path, root)
@@ -70,7 +70,7 @@ def read_paper_file(path: Path, root: Path | None = None) -> PaperFile:
     InputError
         If it is missing, no TOML, or lacks a key.
     """
-    file = shown(path, root)
+    file = short_path(path, root)
     try:
         return PaperFile.model_validate(tomllib.loads(read_text(path, root)))
     except ValidationError as error:
@@ -137,7 +137,7 @@ def read_matrix(path: Path, root: Path | None = None) -> PrintedMatrix:
     InputError
         If the file is missing, ragged, or holds anything but decimal numbers.
     """
-    file = shown(path, root)
+    file = short_path(path, root)
     header, rows = read_csv(path, root)
     lines = [(1, header), *rows]
     matrix = []

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gainsay.errors import InputError
 from gainsay.tables import Case
-from gainsay.tables.files import read_json, shown
+from gainsay.tables.files import read_json, short_path
 from gainsay.tables.models import Claim
 from gainsay.tables.reading import expectation
 from gainsay.tables.units import to_si
@@ -199,10 +199,10 @@ def _read_scan(path: Path, root: Path) -> dict[str, Any]:
                 raise ValueError("a crossing that joins no two points")
     except ValidationError as error:
         field, value, expected = expectation(ScanFile, error.errors()[0])
-        raise InputError(file=shown(path, root), field=field, value=value, expected=expected) from None
+        raise InputError(file=short_path(path, root), field=field, value=value, expected=expected) from None
     except (ValueError, TypeError, ArithmeticError) as error:
         message = f"no scan: {error}"
-        raise InputError(message, file=shown(path, root), expected="a scan as a step writes it") from None
+        raise InputError(message, file=short_path(path, root), expected="a scan as a step writes it") from None
     return content
 
 
