@@ -11,6 +11,7 @@ import numpy as np
 
 from gainsay.logs.layout import Bound, Columns, EventLog, Layout, Line, Plot, Rows, Scene, Tab, Text
 from gainsay.logs.scene import Appendage, Body
+from gainsay.logs.views import write_views
 from gainsay.logs.writer import LogWriter
 
 _POSITION = {"x": "m", "y": "m", "z": "m"}
@@ -132,3 +133,11 @@ def write_demo(path: Path, *, samples: int = 3001) -> Path:
         log.transform("lvlh", "chaser_lvlh", time, position)
         log.arrows("thrust", "chaser_lvlh", time, thrust, 60.0, "thrust")
     return Path(path)
+
+
+def demo_root(root: Path) -> Path:
+    """Write two runs of a paper called demo below a project root; one has its views."""
+    for run in ("spiral", "later"):
+        write_demo(root / f"results/demo/logs/{run}.mcap", samples=301)
+    write_views(root / "results/demo/logs/spiral.mcap", LAYOUT)
+    return root

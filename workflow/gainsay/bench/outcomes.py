@@ -66,7 +66,7 @@ def _ours(program: Program) -> bool | float | None:
 
 def _plain(solver: str) -> Callable[[Program], bool | float | None]:
     def answer(program: Program) -> bool | float | None:
-        status, value = backends.said(as_stated(program), program.constraints, program.margin, solver)
+        status, value = backends.status_by(as_stated(program), program.constraints, program.margin, solver)
         if status in ("optimal", "optimal_inaccurate"):
             return value if program.cost.any() else True
         return False if status in ("infeasible", "infeasible_inaccurate") else None

@@ -195,7 +195,7 @@ def _stated(scaled: Scaled, constraints: Sequence, margin: float) -> tuple[Any, 
     return cvxpy.Problem(cvxpy.Minimize(scaled.cost @ x), held), x, held
 
 
-def said(scaled: Scaled, constraints: Sequence, margin: float, solver: str) -> tuple[str, float]:
+def status_by(scaled: Scaled, constraints: Sequence, margin: float, solver: str) -> tuple[str, float]:
     """Status and value of a solver of cvxpy, by its name, at its own settings; status "failed" where it breaks."""
     import cvxpy
 
@@ -211,7 +211,7 @@ def said(scaled: Scaled, constraints: Sequence, margin: float, solver: str) -> t
 
 def _cvxpy(scaled: Scaled, constraints: Sequence, margin: float, setting: str) -> Raw:
     problem, x, held = _stated(scaled, constraints, margin)
-    with warnings.catch_warnings(record=True) as said:  # into the record of the attempt, not onto the terminal
+    with warnings.catch_warnings(record=True) as messages:  # into the record of the attempt, not onto the terminal
         warnings.simplefilter("always")
         problem.solve(solver="CLARABEL")
     # cvxpy's multiplier of an equality has the other sign
@@ -224,6 +224,6 @@ def _cvxpy(scaled: Scaled, constraints: Sequence, margin: float, setting: str) -
         "status": problem.status,
         "iterations": stats.num_iters,
         "seconds": stats.solve_time,
-        "warnings": [str(warning.message) for warning in said],
+        "warnings": [str(warning.message) for warning in messages],
     }
     return Raw(x.value, duals, float(problem.value), float("nan"), record)
