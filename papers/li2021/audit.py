@@ -25,11 +25,7 @@ from papers.li2021.proofs_requirements import COMPARISON, PRINTED
 from papers.li2021.statements import PLANT
 
 FORMULAS = {"proposed": PRINTED, "comparison": COMPARISON}
-LOOP = (
-    ("Acl", "[[A0, B @ Cf], [Bf @ C, Af]]"),
-    ("Bcl", "col(B, zeros(6, 3))"),
-    ("Ccl", "row(C, zeros(3, 6))"),
-)
+LOOP = (("Acl", "[[A0, B @ Cf], [Bf @ C, Af]]"), ("Bcl", "col(B, zeros(6, 3))"), ("Ccl", "row(C, zeros(3, 6))"))
 MU_EARTH = Fraction("3.986004418e14")
 
 

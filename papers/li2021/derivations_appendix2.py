@@ -5,13 +5,7 @@ from gainsay.statements import Step, implication
 from gainsay.statements.unknowns import matrix
 from gainsay.tables import Case
 from papers.li2021.derivations import STRUCTURE
-from papers.li2021.statements import (
-    EQ19,
-    EQ20,
-    EQ_B2,
-    EQ_B3,
-    EQ_B5,
-)
+from papers.li2021.statements import EQ19, EQ20, EQ_B2, EQ_B3, EQ_B5
 
 
 @task("Appendix II")

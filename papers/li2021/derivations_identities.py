@@ -137,10 +137,7 @@ def factorisation(case: Case, which: str) -> Certificate:
     """Delta D or Delta G equals its product of factors for every delta."""
     deltas = {"D": "diag(u1, u1, u3, u3, u2, u2)", "G": "diag(u2, u2, u1, u3, u3, u1)"}[which]
     changed = (("I1", "J1 + u1*d1"), ("I2", "J2 + u2*d2"), ("I3", "J3 + u3*d3"))
-    left = {
-        "D": "n * (I1 + I3 - I2) * turn - D0",
-        "G": "n**2 * diag(4*(I2 - I3), 3*(I1 - I3), I2 - I1) - G0",
-    }[which]
+    left = {"D": "n * (I1 + I3 - I2) * turn - D0", "G": "n**2 * diag(4*(I2 - I3), 3*(I1 - I3), I2 - I1) - G0"}[which]
     return identical(
         case,
         f"factorisation.{which.lower()}",

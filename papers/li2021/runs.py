@@ -129,11 +129,7 @@ def record(
         "satellite",
         "body",
         Body(
-            (0.6, 0.6, 0.6),
-            appendages=(
-                _panel(1.0, tip=(1.0, 0.0, 1.0, 0.0)),
-                _panel(-1.0, tip=(0.0, 1.0, 0.0, 1.0)),
-            ),
+            (0.6, 0.6, 0.6), appendages=(_panel(1.0, tip=(1.0, 0.0, 1.0, 0.0)), _panel(-1.0, tip=(0.0, 1.0, 0.0, 1.0)))
         ),
         time=time,
         modal=states[:, MODES],
@@ -292,7 +288,7 @@ LAYOUT = Layout(
                     "Common gain variation [1]",
                     until=_VARIED,
                     lines=(Line("/controller/variation", "delta", "delta", "perturbed"),),
-                ),
+                )
             ),
             runs=PERIODIC,
         ),

@@ -82,13 +82,7 @@ TABLES = {
     "dm": "number('delta_m')",
 }
 #: unknowns of Theorem 1, and its plant
-THEOREM_1 = {
-    "S": symmetric(6),
-    "N": symmetric(6),
-    "Fa": matrix(6, 6),
-    "Fb": matrix(6, 3),
-    "Cf": matrix(3, 6),
-}
+THEOREM_1 = {"S": symmetric(6), "N": symmetric(6), "Fa": matrix(6, 6), "Fb": matrix(6, 3), "Cf": matrix(3, 6)}
 UNCERTAIN_UNKNOWNS = {
     "A0": matrix(6, 6),
     "B1": matrix(6, 3),
@@ -198,13 +192,7 @@ EQ_B3 = Statement(
         ("a", "b"): "-S / theta",
         ("b", "b"): "-(S - N) / theta",
     },
-    unknowns={
-        "S": symmetric(6),
-        "N": symmetric(6),
-        "Cd": matrix(3, 6),
-        "u_max": positive(),
-        "theta": positive(),
-    },
+    unknowns={"S": symmetric(6), "N": symmetric(6), "Cd": matrix(3, 6), "u_max": positive(), "theta": positive()},
 )
 EQ19 = Statement(
     "(19)",

@@ -36,10 +36,7 @@ def falling(states: int, of_channel: Iterable[int]) -> Statement:
             ("channel", "channel"): "Dw.T @ D @ Dw - D",
         },
         unknowns={"P": symmetric(states), **dict.fromkeys(names, positive())},
-        where={
-            **{name: f"printed('{name}')" for name in DATA},
-            "D": f"diag({', '.join(names)})",
-        },
+        where={**{name: f"printed('{name}')" for name in DATA}, "D": f"diag({', '.join(names)})"},
     )
 
 

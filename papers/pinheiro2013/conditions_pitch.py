@@ -69,10 +69,7 @@ def true_optimum(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray, flo
         free = max((gamma**2 - size**2) * (gamma**2 * k1**2 - 2 * size**2), 0.0)
         floor = np.sqrt(max(2 * k1 - 2 / gamma**2 * np.sqrt(free), 1e-12))
         found = minimize_scalar(
-            lambda x: norms(plant, k1, floor * np.exp(x))[0],
-            bounds=(0, 8),
-            method="bounded",
-            options={"xatol": 1e-12},
+            lambda x: norms(plant, k1, floor * np.exp(x))[0], bounds=(0, 8), method="bounded", options={"xatol": 1e-12}
         )
         inner = floor * np.exp(found.x)
         return min((norms(plant, k1, k2)[0], k1, k2) for k2 in (floor, inner))

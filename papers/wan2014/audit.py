@@ -203,13 +203,7 @@ def observer_poles(case: Case, results: Results) -> None:
         source="(40), (41)",
     )
     results.certificate(
-        half_plane(
-            case,
-            "observer-stable",
-            ("A - LC", OBSERVER_FORMULA),
-            "-0.4",
-            "audit.observer_abscissa",
-        )
+        half_plane(case, "observer-stable", ("A - LC", OBSERVER_FORMULA), "-0.4", "audit.observer_abscissa")
     )
     results.say("(40), (41)", f"{len(missed)} of 3 pole pairs of (40) missed; stable")
 

@@ -26,10 +26,7 @@ def model_errors(case: Case, end: float = 3000.0) -> dict[str, float]:
 
     time = np.linspace(0, end, 301)
     truth = integrate(two_body, np.append(x0, 0.0), end, rtol=1e-11, atol=1e-9)(time)[:, :3]
-    models = {
-        "noncircular": lambda t, x: (A + plant.noncircular_part(e, n, n * t)) @ x,
-        "circular": lambda t, x: A @ x,
-    }
+    models = {"noncircular": lambda t, x: (A + plant.noncircular_part(e, n, n * t)) @ x, "circular": lambda t, x: A @ x}
     return {
         name: float(np.max(np.linalg.norm(integrate(f, x0, end, rtol=1e-11, atol=1e-9)(time)[:, :3] - truth, axis=1)))
         for name, f in models.items()

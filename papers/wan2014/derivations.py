@@ -3,27 +3,9 @@
 from typing import Any
 
 from gainsay.proof import Certificate
-from gainsay.statements import (
-    Statement,
-    Step,
-    identical,
-    implication,
-    matrix,
-    positive,
-    scalar,
-    symmetric,
-)
+from gainsay.statements import Statement, Step, identical, implication, matrix, positive, scalar, symmetric
 from gainsay.tables import Case
-from papers.wan2014.statements import (
-    EQ14,
-    EQ18,
-    EQ21,
-    EQ22,
-    EQ23,
-    EQ24,
-    EQ25,
-    EQ25_CORRECTED,
-)
+from papers.wan2014.statements import EQ14, EQ18, EQ21, EQ22, EQ23, EQ24, EQ25, EQ25_CORRECTED
 
 #: Lambda' Lambda <= I, as Lemma 1 needs it
 BOUNDED = "eye(6) - Lambda.T@Lambda >= 0"
@@ -178,10 +160,7 @@ def schur_25(case: Case) -> Certificate:
         given=[EQ25 < 0, "R > 0"],
         then=EQ24 < 0,
         expand=EQ23,
-        by=[
-            Step("(25)", _columns(*_DOWN), left_inverse="row(eye(12), zeros(12,24))"),
-            Step("R > 0", "row(-K, K)"),
-        ],
+        by=[Step("(25)", _columns(*_DOWN), left_inverse="row(eye(12), zeros(12,24))"), Step("R > 0", "row(-K, K)")],
     )
 
 

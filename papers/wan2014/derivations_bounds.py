@@ -3,15 +3,7 @@
 import re
 
 from gainsay.proof import Certificate
-from gainsay.statements import (
-    Statement,
-    Step,
-    implication,
-    matrix,
-    positive,
-    read_constraint,
-    symmetric,
-)
+from gainsay.statements import Statement, Step, implication, matrix, positive, read_constraint, symmetric
 from gainsay.tables import Case
 from papers.wan2014.derivations import SUBSTITUTION, follows, same
 from papers.wan2014.statements import (

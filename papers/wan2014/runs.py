@@ -239,11 +239,7 @@ LAYOUT = Layout(
                         until=_TRANSIENT,
                         lines=lines("/observer/error", VELOCITIES),
                     ),
-                    Plot(
-                        "Position error of the estimate [m]",
-                        lines("/observer/error", POSITIONS),
-                        until=_TRANSIENT,
-                    ),
+                    Plot("Position error of the estimate [m]", lines("/observer/error", POSITIONS), until=_TRANSIENT),
                 ),
             ),
         ),

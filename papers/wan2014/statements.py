@@ -77,11 +77,7 @@ EQ18 = _statement(
     "(18)",
     "proof of Theorem 2",
     ("x", "e"),
-    {
-        ("x", "x"): "sym(P@(A + DA - B@K))",
-        ("x", "e"): "P@B@K + DA.T@P",
-        ("e", "e"): "sym(P@(A - L@C))",
-    },
+    {("x", "x"): "sym(P@(A + DA - B@K))", ("x", "e"): "P@B@K + DA.T@P", ("e", "e"): "sym(P@(A - L@C))"},
     DA=matrix(6, 6),
 )
 EQ21 = _statement(
@@ -376,11 +372,7 @@ JOINT_START = Statement(
     "start",
     "(15)",
     ("rho", "estimate"),
-    {
-        ("rho", "rho"): "rho - e0.T@P@e0",
-        ("rho", "estimate"): "x0.T - e0.T",
-        ("estimate", "estimate"): "X",
-    },
+    {("rho", "rho"): "rho - e0.T@P@e0", ("rho", "estimate"): "x0.T - e0.T", ("estimate", "estimate"): "X"},
     JOINT.unknowns,
     JOINT.where,
 )

@@ -307,10 +307,7 @@ def disturbance(case: Case, results: Results) -> None:
     results.prove(proofs.w1_rms(case, size, "audit.w1_rms"), source="Numerical example")
     results.prove(proofs.w2_rate_rms(case, size, "audit.w2_rate_rms"), source="after (3), Numerical example")
     results.certificate(proofs.larger_than_max(case))
-    for quantity, name in (
-        ("audit.residual_error", "w1_frequency"),
-        ("audit.residual_error_orbit_rate", "orbit_rate"),
-    ):
+    for quantity, name in (("audit.residual_error", "w1_frequency"), ("audit.residual_error_orbit_rate", "orbit_rate")):
         results.prove(proofs.residual_error(case, name, size, quantity), source="(1), (4), (6)")
     results.say("after (5)", "w1 persists: the estimation error keeps its amplitude, certified")
 

@@ -58,15 +58,7 @@ def congruence_definitions() -> dict[str, str]:
         structure = {key: text.replace(name, f"{name}_o") for key, text in structure.items()}
     loop = design_loop("M @ P21", "inverse(P22).T @ N")
     whole = {f"C{part}": f"T.T @ {equation_9(part, {}).formula} @ T" for part in PARTS}
-    return {
-        **PLANT,
-        **LAMBDAS,
-        **original,
-        **loop,
-        **structure,
-        "T": "diag(X, 1, X, 1, X, 1, X, 1, 1, 1, 1)",
-        **whole,
-    }
+    return {**PLANT, **LAMBDAS, **original, **loop, **structure, "T": "diag(X, 1, X, 1, X, 1, X, 1, 1, 1, 1)", **whole}
 
 
 def differing_block(case: Case, row: str, column: str) -> Certificate:

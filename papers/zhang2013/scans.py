@@ -18,13 +18,7 @@ SCANNED = (
 )
 
 
-SCANNED_QUANTITIES = (
-    "audit.convergence",
-    "run.theta_end",
-    "run.rate_end",
-    "audit.rejection",
-    "audit.vibration_ratio",
-)
+SCANNED_QUANTITIES = ("audit.convergence", "run.theta_end", "run.rate_end", "audit.rejection", "audit.vibration_ratio")
 
 
 @task("Figures 1 to 3")
