@@ -39,15 +39,15 @@ def optimum(results: Results, stated: Stated, where: str = "", *, margins: tuple
     ComputationError
         If it was not enclosed.
     """
-    found = results.attempted(where or stated.label, stated.infimum(margins))
-    return found.need(f"{where}: {stated.label}" if where else stated.label)
+    outcome = results.attempted(where or stated.label, stated.infimum(margins))
+    return outcome.need(f"{where}: {stated.label}" if where else stated.label)
 
 
 def prove(
     results: Results,
     quantity: str,
     stated: Stated,
-    found: Any,
+    outcome: Any,
     *,
     sentence: str,
     source: str = "",
@@ -64,7 +64,7 @@ def prove(
     quantity : str
     stated : Stated
         The program.
-    found : Solved, Infeasible or any other outcome of `gainsay.lmi.solve`
+    outcome : Solved, Infeasible or any other outcome of `gainsay.lmi.solve`
         For the program, or for one with further wishes where it is a point.
     sentence : str
         What the program asks, for people, as the end of "There is" or "There is no": ``"X > 0 that satisfies (14)"``.
@@ -91,10 +91,12 @@ def prove(
     }
     parts["fields"] = {key: value for key, value in parts["fields"].items() if key != "minimise"}
     try:
-        if isinstance(found, Solved):
-            made = build.feasible_point(statement=f"There is {sentence}.", point=_point(stated, found.values), **parts)
+        if isinstance(outcome, Solved):
+            made = build.feasible_point(
+                statement=f"There is {sentence}.", point=_point(stated, outcome.values), **parts
+            )
         else:
-            made = _refuted(stated, found, statement=f"There is no {sentence}.", **parts)
+            made = _refuted(stated, outcome, statement=f"There is no {sentence}.", **parts)
     except CertificateError as error:
         results.undecided(quantity, str(error), source=source)
         results.say(stated.label, f"undecided: {error}")
@@ -103,12 +105,12 @@ def prove(
     return made
 
 
-def _refuted(stated: Stated, found: Any, **parts: Any) -> Certificate:
+def _refuted(stated: Stated, outcome: Any, **parts: Any) -> Certificate:
     """Certificate of multipliers where the outcome has some, else, or where they do not do, of a wrong inertia."""
-    reason = f"{type(found).__name__} after {len(found.attempts)} attempts"
-    if isinstance(found, Infeasible) and np.isfinite(found.farkas.distance):
+    reason = f"{type(outcome).__name__} after {len(outcome.attempts)} attempts"
+    if isinstance(outcome, Infeasible) and np.isfinite(outcome.farkas.distance):
         try:
-            return _by_multipliers(stated, found.farkas.multipliers, **parts)
+            return _by_multipliers(stated, outcome.farkas.multipliers, **parts)
         except CertificateError as error:
             reason = str(error)
     try:
@@ -189,7 +191,7 @@ def enclose(
     results: Results,
     quantity: str,
     stated: Stated,
-    found: Any,
+    outcome: Any,
     *,
     sentence: str,
     source: str = "",
@@ -205,7 +207,7 @@ def enclose(
         Takes certificates ``<id>-above`` and ``<id>-below`` and the quantity with both ends.
     quantity, stated, source, id, faith, digits
         As for `prove`.
-    found : Infimum
+    outcome : Infimum
     sentence : str
         As for `above`.
 
@@ -219,21 +221,21 @@ def enclose(
     ComputationError
         If there is no point: use `prove` where the program may have none.
     """
-    if not isinstance(found, Infimum):
-        raise ComputationError(stated.label, f"{type(found).__name__} where an infimum is needed", found.attempts)
+    if not isinstance(outcome, Infimum):
+        raise ComputationError(stated.label, f"{type(outcome).__name__} where an infimum is needed", outcome.attempts)
     name = id or build.id_of(quantity)
     more: dict[str, Any] = {"sentence": sentence, "faith": faith, "digits": digits}
-    top = above(results.case, quantity, stated, found.solved.values, id=f"{name}-above", **more)
+    top = above(results.case, quantity, stated, outcome.solved.values, id=f"{name}-above", **more)
     made, reason = [top], ""
     try:
-        made.append(below(results.case, quantity, stated, found.multipliers, id=f"{name}-below", **more))
+        made.append(below(results.case, quantity, stated, outcome.multipliers, id=f"{name}-below", **more))
     except CertificateError as error:
         reason = f"; no lower end: {error}"
     for certificate in made:
         results.certificate(certificate)
     ends = [proved_ends(certificate.conclusions[-1]) for certificate in made]
     lower, upper = max(low for low, _ in ends), min(high for _, high in ends)
-    value = min(max(found.value if np.isfinite(found.value) else found.upper, lower), upper)
+    value = min(max(outcome.value if np.isfinite(outcome.value) else outcome.upper, lower), upper)
     results.quantity(
         quantity,
         value,
