@@ -203,17 +203,27 @@ def ask(case: Case, results: Results, question: Question, shared: Shared) -> Non
         return [question.value(study) for study in shared.studies(points, question.inputs)]
 
     found = scan(
-        case, question.quantity, inputs(case, question.inputs, question.printed), together=together, parts=4,
-        admissible=shared.admissible(question.printed), bears_out=question.printed,
-        samples=int(case.number("scan_samples")), seed=int(case.number("scan_seed")),
-    )  # fmt: skip
+        case,
+        question.quantity,
+        inputs(case, question.inputs, question.printed),
+        together=together,
+        parts=4,
+        admissible=shared.admissible(question.printed),
+        bears_out=question.printed,
+        samples=int(case.number("scan_samples")),
+        seed=int(case.number("scan_seed")),
+    )
     results.scan(found)
     name = "A" if question.printed else "B"
     here = {} if question.printed else {f"inertia_{axis}": case.number(f"inertia_b_{axis}") for axis in "xyz"}
     results.quantity(
-        question.quantity, question.value(Study(case, here)), lower=None, upper=None, source=f"reconstruction {name}",
+        question.quantity,
+        question.value(Study(case, here)),
+        lower=None,
+        upper=None,
+        source=f"reconstruction {name}",
         method=f"at reconstruction {name}; scanned: {found.note}",
-    )  # fmt: skip
+    )
     results.say(f"scan {question.quantity}", found.note)
 
 

@@ -368,8 +368,9 @@ class Results:
             message = " ".join(str(error).replace(f"{self.case.root}/", "").split()) or type(error).__name__
             attempts = [dict(a) for a in getattr(error, "attempts", ())]
             self._rows["failures"].append((self.step, where, name, message))
-            self._attempts.append({"where": where, "failed": message, "attempts": attempts,
-                                   "traceback": traceback.format_exc()})  # fmt: skip
+            self._attempts.append(
+                {"where": where, "failed": message, "attempts": attempts, "traceback": traceback.format_exc()}
+            )
             tried = f", {len(attempts)} attempts" if attempts else ""
             place = place_of(error, self.case.root)
             self.say(

@@ -166,6 +166,7 @@ def verify(crate: Path) -> tuple[list[str], list[str]]:
             checked += [summary] * bool(summary)
         if (folder / "results" / "report.files.csv").is_file():
             wrong += [f"all papers: {file}: {how}" for _, _, file, _, how, _ in shared_differences(folder)]
-            wrong += [f"all papers: {file}: is not that of the papers"
-                      for file in _altered(folder / "results", joined(cases))]  # fmt: skip
+            wrong += [
+                f"all papers: {file}: is not that of the papers" for file in _altered(folder / "results", joined(cases))
+            ]
         return wrong, checked
