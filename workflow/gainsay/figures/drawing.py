@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from gainsay.figures.style import DASHES, RESOLUTION, STYLE, width_of
-from gainsay.logs import Log, Plot
+from gainsay.logs import Line, Log, Plot, lines
 from gainsay.logs.palette import role
 from gainsay.tables import Case
 
@@ -103,11 +103,14 @@ def curves(
     until: float | None = None,
 ) -> None:
     """Draw fields of a topic over time, the first in the colour of axis 1, the second of axis 2, and so on."""
-    signal = log[topic]
-    shown = slice(None) if until is None else signal.time <= until
-    for index, field in enumerate(fields):
-        label = labels[index] if labels else field
-        curve(panel, signal.time[shown], signal.column(field)[shown], f"axis_{index + 1}", label)
+    _draw_lines(panel, log, lines(topic, fields, labels=labels), until)
+
+
+def _draw_lines(panel: Axes, log: Log, of: Sequence[Line], until: float | None) -> None:
+    for line in of:
+        signal = log[line.topic]
+        shown = slice(None) if until is None else signal.time <= until
+        curve(panel, signal.time[shown], signal.column(line.field)[shown], line.role, line.label)
 
 
 def compare(
@@ -158,10 +161,7 @@ def figure_of_run(name: str, run: str, *plots: Plot, height: float = 3.0) -> Fig
         log = logs[run]
         grid = panels(figure, [plot.title for plot in plots])
         for panel, plot in zip(grid, plots, strict=True):
-            for line in plot.lines:
-                signal = log[line.topic]
-                shown = signal.time <= (math.inf if plot.until is None else plot.until)
-                curve(panel, signal.time[shown], signal.column(line.field)[shown], line.role, line.label)
+            _draw_lines(panel, log, plot.lines, plot.until)
             for one in plot.bounds:
                 for side, level in log.bounds[one.name].items():
                     if side in one.sides:
