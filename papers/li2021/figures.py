@@ -25,8 +25,9 @@ READINGS = (("constant", "once"), ("slow", "every second"), ("fast", "every 0.1 
 
 def poles(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw Figure 3: open- and closed-loop poles with the disk."""
-    titles = ["poles and the disk, 1/s", r"open-loop poles, $10^{-5}$/s"]
-    left, right = panels(figure, ["imaginary part"] * 2, titles=titles, columns=2, share_time=False)
+    titles, small = ["poles and the disk", "open-loop poles, enlarged"], r"[$10^{-5}$ 1/s]"
+    labels = ["imaginary part [1/s]", f"imaginary part {small}"]
+    left, right = panels(figure, labels, titles=titles, columns=2, share_time=False)
     nominal = plant.rigid(plant.constants(case))
     closed = np.linalg.eigvals(plant.closed_loop(nominal, plant.controller(case, "proposed")))
     opened = np.linalg.eigvals(nominal.A)
@@ -40,7 +41,8 @@ def poles(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         panel.axvline(0, color="#999999", linewidth=0.8)
         panel.margins(0.1)
     left.set_aspect("equal")
-    finish(figure, (left, right), x="real part")
+    finish(figure, (left, right), x="real part [1/s]")
+    right.set_xlabel(f"real part {small}")
 
 
 def torque(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
@@ -89,8 +91,8 @@ def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     named = (
         ("proposed", "printed", "nominal"),
         ("comparison", "[39]", "comparison"),
-        ("repaired", "ours", "axis_3"),
-        ("best", "largest variation", "perturbed"),
+        ("repaired", "repaired", "axis_3"),
+        ("best", "largest gain variation", "perturbed"),
     )
     for run, label, look in named:
         signal, size = logs[run]["/attitude/angles_deg"], logs[run]["/wheels/torque_size"]
@@ -114,20 +116,20 @@ def tradeoff(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     for name, label, look, marker in (
         ("printed", "printed", "nominal", "o"),
         ("repaired", "repaired", "axis_3", "s"),
-        ("best", "largest", "perturbed", "D"),
+        ("best", "largest gain variation", "perturbed", "D"),
     ):
         gains = plant.controller(case, "proposed" if name == "printed" else name)
         loop = plant.closed_loop(nominal, gains)
         radius = np.abs(np.linalg.eigvals(loop) + case.number("disk_centre")).max()
         certified.append((hinf_norm(loop, B, C)[0], radius, values[f"certified.{name}.delta_m"], label, look, marker))
-    axes = panels(figure, [r"largest gain variation $\delta_m$ [1]"] * 2, columns=2, share_time=False)
+    axes = panels(figure, [r"certified gain variation $\delta_m$"] * 2, columns=2, share_time=False)
     for column in range(2):
         panel = axes[column]
         body = role("body").on_light
-        panel.plot(searched[column], searched[2], "o", mfc="none", color=body, label="trade-off")
+        panel.plot(searched[column], searched[2], "o", mfc="none", color=body, label="trade-off designs")
         for *place, reached, label, look, marker in certified:
             panel.plot(place[column], reached, marker, color=role(look).on_light, label=label)
-        bound(panel, case.number("delta_m"), "Table 1", both=False)
+        bound(panel, case.number("delta_m"), f"{case.number('delta_m'):g} (Table 1)", both=False)
         panel.set_ylim(0, 1.1 * max(values[name] for name in values if name.endswith(".delta_m")))
         panel.margins(x=0.05)
     finish(figure, axes)

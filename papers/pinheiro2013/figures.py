@@ -20,12 +20,24 @@ LABELS = {
     "h2": r"$\gamma = 100$ (pure $H_2$)",
 }
 NAMES = {"roll": "x", "pitch": "y", "yaw": "z"}
+#: what is shown of the fastest design's angles, and of the torques, s
+_FAST, _TORQUE = 10.0, 30.0
 
 
-def _curve(panel: Axes, signal: Signal, field: str, design: str, *, dashed: bool = False, label: str = "") -> None:
+def _curve(
+    panel: Axes,
+    signal: Signal,
+    field: str,
+    design: str,
+    *,
+    dashed: bool = False,
+    label: str = "",
+    until: float | None = None,
+) -> None:
+    shown = slice(None) if until is None else signal.time <= until
     panel.plot(
-        signal.time,
-        signal.column(field),
+        signal.time[shown],
+        signal.column(field)[shown],
         color=COLOURS[design],
         linewidth=0.8 if dashed else 1.2,
         linestyle=(0, (4, 2)) if dashed else "solid",
@@ -33,21 +45,24 @@ def _curve(panel: Axes, signal: Signal, field: str, design: str, *, dashed: bool
     )
 
 
-def _panels(figure: Figure, label: str) -> list:
-    return panels(figure, [label] * 2, titles=[f"reconstruction {r}" for r in "AB"], columns=2)
+def _panels(figure: Figure, label: str, enlarged: str = "") -> list:
+    """Return a panel a reconstruction, and one more of each below for what is `enlarged`."""
+    titles = [f"reconstruction {r}" for r in "AB"] + [f"reconstruction {r}, {enlarged}" for r in "AB" if enlarged]
+    return panels(figure, [label] * len(titles), titles=titles, columns=2, share_time=not enlarged)
 
 
 def uncertainty(name: str) -> Draw:
     """Return the drawing of an angle with and without uncertainty, one panel a reconstruction."""
 
     def draw(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
-        grid = _panels(figure, f"{name} angle [deg]")
-        for panel, r in zip(grid, "ab", strict=True):
-            for design in _EXTREMES:
+        grid = _panels(figure, f"{name} angle [deg]", f"first {_FAST:g} s")
+        for index, panel in enumerate(grid):
+            r, until = "ab"[index % 2], None if index < 2 else _FAST
+            for design in _EXTREMES if until is None else _EXTREMES[:1]:
                 log = logs[f"{r}_{design}_release"]
-                _curve(panel, log["/nominal/angles_deg"], name, design, label=LABELS[design])
+                _curve(panel, log["/nominal/angles_deg"], name, design, label=LABELS[design], until=until)
                 for k in (1, 2):
-                    _curve(panel, log[f"/plant_{k}/angles_deg"], name, design, dashed=True)
+                    _curve(panel, log[f"/plant_{k}/angles_deg"], name, design, dashed=True, until=until)
             panel.plot([], [], color="#666666", linewidth=0.8, linestyle=(0, (4, 2)), label="with uncertainty")
         finish(figure, grid)
 
@@ -63,9 +78,8 @@ def control(name: str) -> Draw:
         for panel, r in zip(grid, "ab", strict=True):
             for design in COLOURS:
                 log = logs[f"{r}_{design}_release"]
-                _curve(panel, log["/nominal/torque"], NAMES[name], design, label=LABELS[design])
+                _curve(panel, log["/nominal/torque"], NAMES[name], design, label=LABELS[design], until=_TORQUE)
             bound(panel, limit, f"{limit:g} N m\n(Table 2)")
-            panel.set_xlim(0, 60)
         finish(figure, grid)
 
     return draw
@@ -91,11 +105,11 @@ def _runs(kind: str, designs: tuple[str, ...] = tuple(COLOURS)) -> tuple[str, ..
 
 _EXTREMES = ("hinf", "h2")
 FIGURES = tuple(
-    FigureSpec(f"figure_{first + axis}", runs, draw(name), 3.2)
-    for first, runs, draw in (
-        (6, _runs("release", _EXTREMES), uncertainty),
-        (9, _runs("release"), control),
-        (12, _runs("disturbed"), external),
+    FigureSpec(f"figure_{first + axis}", runs, draw(name), height)
+    for first, runs, draw, height in (
+        (6, _runs("release", _EXTREMES), uncertainty, 5.2),
+        (9, _runs("release"), control, 3.2),
+        (12, _runs("disturbed"), external, 3.2),
     )
     for axis, name in enumerate(NAMES)
 )

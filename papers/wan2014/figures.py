@@ -47,7 +47,7 @@ def trajectory(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
 
 def starts(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     """Draw thrust along y under three starts of the estimate that the text allows, whole and near the bounds."""
-    titles = ["all of it", "near the bounds"]
+    titles = ["whole range", "near the bounds"]
     grid = panels(figure, ["$f_y$ [N]"] * 2, titles=titles, columns=2, share_time=False)
     named = (
         ("nominal", "estimate starts at the measured position", "nominal"),
@@ -57,7 +57,7 @@ def starts(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
     limit = case.number("thrust_max_y")
     for panel in grid:
         compare(panel, logs, "/chaser/thrust", "y", named, until=_TRANSIENT)
-        bound(panel, limit, f"{limit:g} N (5)" if panel is grid[1] else "", both=panel is grid[1])
+        bound(panel, limit, f"{limit:g} N (5)", both=panel is grid[1])
     grid[1].set_ylim(-1.25 * limit, 1.25 * limit)
     finish(figure, grid)
 
@@ -70,6 +70,7 @@ def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         compare(panel, logs, topic, field, named, until=_APPROACH)
     grid[0].set_yscale("log")
     grid[0].set_ylim(bottom=1e-3)
+    grid[1].set_ylim(bottom=0)
     finish(figure, grid)
 
 

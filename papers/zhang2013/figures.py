@@ -43,7 +43,8 @@ def designs(figure: Figure, logs: Mapping[str, Log], case: Case) -> None:
         ("resynthesised", "least squares", "comparison"),
     )
     compare(grid[0], logs, "/spacecraft/attitude_mrad", "angle", named, until=_SHOWN)
-    compare(grid[1], logs, "/observer", "error", named[::-1], until=_ESTIMATE)  # the largest behind
+    behind = (named[2], named[0], named[1])  # the largest first, and last what lies on the printed one
+    compare(grid[1], logs, "/observer", "error", behind, until=_ESTIMATE, dashed=("repaired",))
     finish(figure, grid)
 
 

@@ -47,6 +47,22 @@ def test_what_stands_in_brackets_is_raised_too():
     assert "'" in unescape(str(typed("as in (3)'s proof")))
 
 
+def test_a_matrix_in_blocks_is_a_table_of_its_blocks():
+    shown = str(typed("P = [[Y, -S'], [., b^2 W]] of which"))
+    cells = re.findall("<mtd><mrow>(.*?)</mrow></mtd>", shown)
+    inside = [mathml(tex).removeprefix("<math>").removesuffix("</math>") for tex in ("Y", "S", "b^2", "W")]
+    assert cells[0] == inside[0] and cells[2] == "<mo>⋆</mo>"
+    assert cells[1] == f"<mtext>\u2212</mtext>{inside[1]}<mtext>\u2032</mtext>"
+    assert cells[3] == f"{inside[2]}<mtext>\u00a0</mtext>{inside[3]}"
+    assert shown.count("<mtr>") == 2 and shown.count("<math>") == 2  # none inside another
+
+
+def test_a_letter_of_the_formulas_is_a_symbol_and_an_article_none():
+    assert typed("whatever m and a point", {"m", "a"}) == f"whatever {mathml('m')} and a point"
+    assert typed("2 I + p delta") == f"2 {mathml('I')} + {mathml('p')} {mathml(chr(92) + 'delta')}"
+    assert typed("I think") == "I think"
+
+
 def test_a_name_of_several_letters_is_one_identifier():
     assert mathml(r"\mathrm{share}") == "<math><mrow><mi>share</mi></mrow></math>"  # upright by itself, MathML 3, 3.2.3
 
@@ -56,7 +72,8 @@ def test_units_relations_and_code():
         "6.7 kg m<sup>2</sup> ≤ 3 m<sup>3</sup>/s<sup>2</sup>, see <code>robust</code>"
     )
     assert typed("lambda1 = number('lambda1_corrected')").endswith("= <i>lambda1 corrected</i>")
-    assert typed("A - LC") == f"{mathml('A')} - {mathml('L C')}"
+    assert typed("A - LC") == f"{mathml('A')} \u2212 {mathml('L C')}"
+    assert typed("-0.5 of x-axis and (-3)") == "\u22120.5 of x-axis and (\u22123)"
     assert typed("W2 s^2") == f"{mathml('W_{2}')} {mathml('s^{2}')}"  # a symbol, no second
 
 

@@ -275,6 +275,14 @@ def test_where_no_design_is_printed_the_others_are_held_against_one_of_ours(root
     assert [outcome for _, outcome in measure.others] == ["worse", "better"]  # the less the better
 
 
+def test_a_design_with_few_measures_stands_in_a_table_of_its_own_that_is_full():
+    found = read_results(read_case(find_root(Path(__file__)), "li2021"))
+    whole, few = comparisons(found)
+    assert not whole.partly and {"repaired", "best", "comparison"} == set(whole.designs)
+    assert few.partly and all(name.startswith("tradeoff_") for name in few.designs)
+    assert len(whole.measures) == len(found.case.paper.measures) > len(few.measures) == 3
+
+
 def test_a_printed_matrix_of_another_name_stands_beside_ours():
     views = {view.name: view for view in design_views(read_case(find_root(Path(__file__)), "li2021"))}
     printed = {name: printed.title for name, printed, _ in views["repaired"].matrices if printed}

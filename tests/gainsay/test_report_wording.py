@@ -13,8 +13,10 @@ from gainsay.report.wording import condition, reason
 def test_conditions_read_as_words():
     units = {"gravity": ("m^3/s^2", "assumed"), "observer_start": ("1", "assumed"), "level": ("1", "printed")}
     parameters = {name: SimpleNamespace(unit=unit, status=status) for name, (unit, status) in units.items()}
-    found = SimpleNamespace(case=SimpleNamespace(parameters=parameters))
-    said = bare(condition(found, "observer_start=exact; gravity=3.9e14; level=0.2"))
+    found = SimpleNamespace(case=SimpleNamespace(name="toy", parameters=parameters, assumed={"gravity": 0}))
+    shown = condition(found, "observer_start=exact; gravity=3.9e14; level=0.2")
+    said = bare(shown)
+    assert '<a href="#toy-input-gravity">gravity</a>' in shown and "input-level" not in shown
     assert said == "observer start = exact, gravity = 3.9 × 1014 m3/s2, level = 0.2 as printed"
 
 

@@ -64,6 +64,8 @@ class CertificateFile:
     theorem : str
         What its conclusions rest on; empty where the file cannot be read.
     concludes : tuple of Conclusion
+    symbols : frozenset of str
+        Letters that stand for something in its formulas, and so in its sentence.
     formulas : tuple of (Markup, Markup)
         Name of a part of the statement, and the part typeset; as many as a page shows.
     unshown : int
@@ -85,6 +87,7 @@ class CertificateFile:
     says: str
     theorem: str = ""
     concludes: tuple[Conclusion, ...] = ()
+    symbols: frozenset[str] = frozenset()
     formulas: tuple[tuple[Markup, Markup], ...] = ()
     unshown: int = 0
     definitions: tuple[tuple[str, str], ...] = field(default=(), repr=False)
@@ -184,6 +187,7 @@ def read_certificate(case: Case, row: Mapping[str, str]) -> CertificateFile:
             **known,
             theorem=kinds.load(content["kind"]).THEOREM,
             concludes=tuple(_concluded(case, conclusion) for conclusion in content["conclusions"]),
+            symbols=frozenset(content["unknowns"]) | {defined for defined, _ in content["definitions"]},
             formulas=tuple((_label(label, content["unknowns"]), formula(text)) for label, text in parts[:shown]),
             unshown=len(parts) - shown,
             definitions=tuple((defined, text) for defined, text in content["definitions"]),

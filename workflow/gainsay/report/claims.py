@@ -11,7 +11,17 @@ from gainsay.report.certificates import CertificateFile
 from gainsay.report.numbers import enclosure, number, span
 from gainsay.report.reading import PaperResults, Row
 from gainsay.report.sentences import said
-from gainsay.report.wording import condition, found_value, input_value, is_truth, published_value, reason, turning_point
+from gainsay.report.wording import (
+    condition,
+    found_value,
+    input_name,
+    input_value,
+    is_truth,
+    published_value,
+    reason,
+    turning_point,
+)
+from gainsay.tables import Case
 from gainsay.tables.models import VERDICTS, Claim
 from gainsay.tables.sentences import of_sentence, sentences
 from gainsay.tables.units import to_si
@@ -213,7 +223,7 @@ def _at(found: tuple[float, Mapping] | None, of: str, units: Mapping[str, str]) 
     return Markup("{} at {}").format(number(repr(value), of), inputs)
 
 
-def scan_view(scan: Outcome, of: str) -> ScanView:
+def scan_view(case: Case, scan: Outcome, of: str) -> ScanView:
     """Return a scan as the page shows it; `of` is the unit of its quantity."""
     units = {entry.name: entry.unit for entry in scan.inputs}
     inputs = []
@@ -222,7 +232,7 @@ def scan_view(scan: Outcome, of: str) -> ScanView:
             shown = Markup(", ").join(input_value(value, entry.unit) for value in entry.values)
         else:
             shown = span(repr(entry.low), repr(entry.high), entry.unit)
-        inputs.append(Markup("<i>{}</i>: {}").format(entry.name.replace("_", " "), shown))
+        inputs.append(Markup("<i>{}</i>: {}").format(input_name(case, entry.name), shown))
     return ScanView(
         scan.samples,
         scan.holding,
@@ -284,7 +294,7 @@ def _claim_view(found: PaperResults, claim: Claim) -> ClaimView:
             found.certificates.get(name, CertificateFile(name, False, "the certificate is not on file"))
             for name in row["certificate"].split()
         ),
-        scan=scan_view(scan, to_si(declared.unit)[0] if declared else "1") if scan else None,
+        scan=scan_view(found.case, scan, to_si(declared.unit)[0] if declared else "1") if scan else None,
         truth=truth,
         given=condition(found, claim.given) if claim.given else Markup(""),
     )

@@ -1,5 +1,6 @@
 """Designs beside the printed one, or beside one of ours where none is printed: every measure, and their gains."""
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
@@ -48,11 +49,14 @@ class Comparison:
         Those that are measured.
     measures : tuple of Measure
         A row each.
+    partly : bool
+        Whether these are designs of which less than half of the measures is asked for: those alone stand here.
     """
 
     against: str
     designs: tuple[str, ...]
     measures: tuple[Measure, ...]
+    partly: bool = False
 
 
 def _outcome(better: str, printed: float, other: float) -> str:
@@ -64,30 +68,36 @@ def _outcome(better: str, printed: float, other: float) -> str:
 def comparisons(found: PaperResults) -> tuple[Comparison, ...]:
     """Return every measure that paper.toml names beside each design that has it, a table for each that is compared.
 
-    The design that the others are held against stands in a row even where no other design was measured alike.
+    The design that the others are held against stands in a row even where no other design was measured alike; designs
+    with few measures stand in a table of their own.
     """
     against = dict.fromkeys(map(held_against, found.case.paper.measures.values()))
-    return tuple(_comparison(found, design) for design in against)
+    return tuple(table for design in against for table in _comparison(found, design))
 
 
-def _comparison(found: PaperResults, against: str) -> Comparison:
-    rows, case = found.quantities, found.case
+def _comparison(found: PaperResults, against: str) -> Iterator[Comparison]:
+    case = found.case
     names = [*case.paper.designs, *(run for run in case.paper.runs if run not in case.paper.designs)]
     asked = {
         own: {name: quantity for name in names if (quantity := measure_of(case, text, name)) not in ("", own)}
         for own, text in case.paper.measures.items()
         if held_against(text) == against
     }
-    measured = [name for name in names if any(name in quantities for quantities in asked.values())]
-    measures = []
-    for quantity, quantities in asked.items():
-        better = case.paper.measures[quantity].partition(" ")[0]
-        own = rows.get(quantity)
-        others = tuple(_other(own, rows.get(quantities.get(name, "")), better) for name in measured)
-        shown = number(own["value"], digits=4) if own else Markup("")
-        about = case.quantities[quantity]
-        measures.append(Measure(about.meaning, about.unit, better, shown, others))
-    return Comparison(against, tuple(measured), tuple(measures))
+    count = {name: sum(name in quantities for quantities in asked.values()) for name in names}
+    whole = tuple(name for name in names if 2 * count[name] >= len(asked))
+    rest = tuple(name for name in names if 0 < 2 * count[name] < len(asked))
+    yield Comparison(against, whole, tuple(_measure(found, own, asked[own], whole) for own in asked))
+    if rest:
+        shared = [own for own in asked if any(name in asked[own] for name in rest)]
+        yield Comparison(against, rest, tuple(_measure(found, own, asked[own], rest) for own in shared), partly=True)
+
+
+def _measure(found: PaperResults, quantity: str, quantities: Mapping[str, str], designs: Sequence[str]) -> Measure:
+    rows, about = found.quantities, found.case.quantities[quantity]
+    better = found.case.paper.measures[quantity].partition(" ")[0]
+    own = rows.get(quantity)
+    others = tuple(_other(own, rows.get(quantities.get(name, "")), better) for name in designs)
+    return Measure(about.meaning, about.unit, better, number(own["value"], digits=4) if own else Markup(""), others)
 
 
 def _other(own: Row | None, row: Row | None, better: str) -> tuple[Markup, str]:

@@ -5,6 +5,8 @@ as it was written: nothing is lost, and nothing but the look is changed.
 """
 
 import re
+import string
+from collections.abc import Collection
 
 from markupsafe import Markup, escape
 
@@ -20,6 +22,8 @@ _GREEK = (
 _TOKEN = re.compile(
     rf"""
     (?P<code>`[^`]+`)
+  | (?P<matrix>\[\[[^\[\]]*\](?:,\ \[[^\[\]]*\])*\])
+  | (?P<minus>(?<=\s)-(?=\s)|(?<![^\s(\[,=])-(?=[\d.(A-Za-z]))
   | (?P<relation>(?<=\s)(?:<=|>=|!=|->)(?=\s))
   | (?P<unit>(?:(?<=[\d.\s]\d\s)|(?<=[gmsd]\s)|(?<=[gmsd]/)|(?<=m\^\d/)|\bkg(?=\^))(?:m|s)?)
     \^(?P<power>-?\d(?:\.\d)?)(?![\w.]\d)
@@ -35,6 +39,8 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE,
 )
+#: in a block of a matrix no letter is a word
+_LETTERS = frozenset(string.ascii_letters)
 _RELATIONS = {"<=": "≤", ">=": "≥", "!=": "≠", "->": "→"}
 _NAMES = {"eps": "varepsilon", "epsilon": "varepsilon"}
 _OVER = {"hat": "hat", "bar": "bar", "~": "tilde"}
@@ -43,15 +49,21 @@ _COMPARED = re.compile(r" (?:<=|>=|[<>=]) ")
 _NAMED = re.compile(r"(?:\d|reconstruction|Appendix|Section|Theorem|Lemma|Table|Figure|group|case|pitch,|yaw,) $")
 
 
-def _is_symbol(found: re.Match[str]) -> bool:
-    """Whether a name is a symbol and no word: one of several signs, a Greek letter, a capital, or compared."""
+def _is_symbol(found: re.Match[str], symbols: Collection[str]) -> bool:
+    """Whether a name is a symbol and no word: known, of several signs, a Greek letter, a capital, or compared."""
     base = found["base"]
+    if base in symbols and base != "a":
+        return True
     if len(base) > 1 or any(found[part] for part in ("index", "over", "prime", "exponent")):
         return True
     before, after = found.string[: found.start()], found.string[found.end() :]
     if _COMPARED.match(after):
         return base != "I"
     if base == "A" and re.match(" [-+] [A-Z]", after):
+        return True
+    if base == "I" and (re.search(r"(?:[-+/(<>=]|\^2) ?$", before) or re.match(" ?[-+/)]", after)):
+        return True
+    if base != "a" and re.match(rf" (?:{_GREEK})\b", after) and re.search(r"[-+*/(] ?$", before):
         return True
     capital = base.isupper() and base not in "AI"
     return capital and not _NAMED.search(before) and not (base == "N" and after.startswith((" m", " s")))
@@ -70,9 +82,13 @@ def _tex(found: re.Match[str]) -> str:
     return f"{symbol}^{{{found['exponent']}}}" if found["exponent"] else symbol
 
 
-def _shown(found: re.Match[str]) -> Markup:
+def _shown(found: re.Match[str], symbols: Collection[str]) -> Markup:
     if found["code"]:
         return Markup("<code>{}</code>").format(found["code"][1:-1])
+    if found["matrix"]:
+        return _matrix(found["matrix"])
+    if found["minus"]:
+        return Markup("\N{MINUS SIGN}")
     if found["relation"]:
         return Markup(_RELATIONS[found["relation"]])
     if found["first"]:
@@ -84,10 +100,39 @@ def _shown(found: re.Match[str]) -> Markup:
         return Markup("<sup>{}</sup>").format(found["raised"].replace("-", "\N{MINUS SIGN}"))
     if found["mark"]:
         return Markup("\N{PRIME}" * len(found["mark"]))
-    if not _is_symbol(found):
+    if not _is_symbol(found, symbols):
         return escape(found[0])
     # a prime of MathML stands too high in most fonts: it follows as text
     return _mathematics(_tex(found), found[0]) + (found["prime"] or "").replace("'", "\N{PRIME}")
+
+
+def _matrix(written: str) -> Markup:
+    """Typeset a matrix in blocks, written row by row: ``[[A, B], [., -C]]``; a point stands for the mirrored block."""
+    rows = [re.split(r", ?", row) for row in re.findall(r"\[([^\[\]]*)\]", written[1:-1])]
+    shown = Markup("").join(
+        Markup("<mtr>{}</mtr>").format(
+            Markup("").join(Markup("<mtd><mrow>{}</mrow></mtd>").format(_block(entry)) for entry in row)
+        )
+        for row in rows
+    )
+    return Markup("<math><mrow><mo>[</mo><mtable>{}</mtable><mo>]</mo></mrow></math>").format(shown)
+
+
+def _block(written: str) -> Markup:
+    """Typeset a block inside of mathematics, where no text stands by itself."""
+    if written == ".":
+        return Markup("<mo>⋆</mo>")
+    pieces = re.split(r"(<math>.*?</math>|<sup>.*?</sup>)", str(typed(written, _LETTERS)))
+    inside = [
+        piece.removeprefix("<math>").removesuffix("</math>")
+        if piece.startswith("<math>")
+        else re.sub("<sup>(.*)</sup>", r"<msup><mrow></mrow><mn>\1</mn></msup>", piece)
+        if piece.startswith("<sup>")
+        else f"<mtext>{piece.replace(' ', chr(160))}</mtext>"
+        for piece in pieces
+        if piece
+    ]
+    return Markup("".join(inside))
 
 
 def _entry(found: re.Match[str]) -> Markup:
@@ -105,8 +150,14 @@ def _mathematics(tex: str, written: str) -> Markup:
         return escape(written)
 
 
-def typed(text: str) -> Markup:
+def typed(text: str, symbols: Collection[str] = ()) -> Markup:
     """Return a piece of a sentence that holds no TeX with what is mathematics in it typeset.
+
+    Parameters
+    ----------
+    text : str
+    symbols : collection of str, optional
+        Single letters that are symbols wherever they stand.
 
     Examples
     --------
@@ -115,6 +166,6 @@ def typed(text: str) -> Markup:
     """
     pieces, last = [], 0
     for found in _TOKEN.finditer(text):
-        pieces += [escape(text[last : found.start()]), _shown(found)]
+        pieces += [escape(text[last : found.start()]), _shown(found, symbols)]
         last = found.end()
     return Markup("").join([*pieces, escape(text[last:])])

@@ -57,8 +57,9 @@ class PaperPage:
 
     @property
     def record(self) -> str:
-        """A line on what differs from the record."""
-        return record_sentence([tuple(row.values()) for row in self.found.differences])
+        """A sentence on what differs from the record."""
+        sentence = record_sentence([tuple(row.values()) for row in self.found.differences]).removeprefix("record: ")
+        return f"{sentence[:1].upper()}{sentence[1:]}."
 
     @property
     def accepted(self) -> int:
@@ -98,9 +99,10 @@ class PaperPage:
         return provenance_of(self.found)
 
     def picture(self, figure: FigureFile) -> Markup:
-        """Return a figure as a data URI."""
+        """Return a figure as a data URI for an attribute in double quotes, which it holds none of."""
         folder = self.case.results
-        return escape(data_uri(folder / figure.file, folder / figure.print_file if figure.print_file else None))
+        uri = data_uri(folder / figure.file, folder / figure.print_file if figure.print_file else None)
+        return Markup(uri.replace("&", "&amp;"))  # angle brackets may stand in an attribute, and are a tenth of a page
 
     def decided_by(self, parameter: str) -> list[str]:
         """Claims whose scan turns at a parameter that the paper leaves out."""

@@ -18,7 +18,8 @@ def data_uri(svg: Path, png: Path | None = None) -> str:
 
 
 def svg_uri(text: str) -> str:
-    """Return an SVG as a data URI, without what no browser draws."""
+    """Return an SVG as a data URI, without what no browser draws and with paths to a hundredth of a point."""
+    text = re.sub(r' d="[^"]*"', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path[0]), text)
     text = re.sub(r"<\?xml[^>]*\?>|<!DOCTYPE[^>]*>|<!--.*?-->|<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r"\s+", " ", text).strip()
     if "'" not in text:  # quotes that need no escape in the page

@@ -1,6 +1,6 @@
 """Sentences of the tables and formulas of certificates as a page shows them: text, and mathematics as MathML."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from markupsafe import Markup, escape
 
@@ -15,10 +15,11 @@ __all__ = ["LONGEST_FORMULA", "formula", "listed", "name", "plain_text", "said"]
 LONGEST_FORMULA = 2_500
 
 
-def said(sentence: str) -> Markup:
+def said(sentence: str, symbols: Collection[str] = ()) -> Markup:
     r"""Return a sentence with its mathematics typeset, that between dollars and that written as on a keyboard.
 
     A sentence that cannot be typeset stands as it was written: `gainsay lint` refuses it, the page never fails.
+    Single letters among `symbols` are symbols wherever they stand.
 
     Examples
     --------
@@ -26,7 +27,9 @@ def said(sentence: str) -> Markup:
     Markup('the weight <math><mi>R</mi></math> is &lt; 1')
     """
     try:
-        return Markup("").join(Markup(mathml(piece)) if is_tex else typed(piece) for piece, is_tex in parts(sentence))
+        return Markup("").join(
+            Markup(mathml(piece)) if is_tex else typed(piece, symbols) for piece, is_tex in parts(sentence)
+        )
     except InputError:
         return escape(sentence)
 

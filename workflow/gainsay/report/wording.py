@@ -8,11 +8,21 @@ from markupsafe import Markup, escape
 from gainsay.report.numbers import digits_apart, number, span, typeset, with_unit
 from gainsay.report.reading import PaperResults, Row
 from gainsay.report.sentences import listed, said
+from gainsay.tables import Case
 from gainsay.tables.models import Claim
 from gainsay.tables.units import to_si
 from gainsay.verdicts.outcome import Outcome
 
-__all__ = ["condition", "found_value", "input_value", "is_truth", "published_value", "reason", "turning_point"]
+__all__ = [
+    "condition",
+    "found_value",
+    "input_name",
+    "input_value",
+    "is_truth",
+    "published_value",
+    "reason",
+    "turning_point",
+]
 
 _NUMERIC = ("equal", "at_most", "at_least")
 #: comparators that hold a truth against a quantity that is 1 or 0
@@ -83,16 +93,24 @@ def found_value(found: PaperResults, claim: Claim, row: Row) -> Markup:
 
 
 def condition(found: PaperResults, given: str) -> Markup:
-    """Return the condition of a claim in words: ``horizon=300`` reads "horizon = 300 s"."""
-    said = []
+    """Return the condition of a claim in words: ``horizon=300`` reads "horizon = 300 s", each name linked."""
+    parts = []
     for part in given.split(";"):
         name, _, value = (text.strip() for text in part.partition("="))
         parameter = found.case.parameters.get(name)
         shown = typeset(value) if re.fullmatch(r"[-+.\d]+(e[-+]?\d+)?", value) else escape(value.replace("_", " "))
         printed = " as printed" if parameter and parameter.status == "printed" else ""
         value_shown = with_unit(shown, parameter.unit if parameter else "")
-        said.append(Markup("{} = {}{}").format(name.replace("_", " "), value_shown, printed))
-    return Markup(", ").join(said)
+        parts.append(Markup("{} = {}{}").format(input_name(found.case, name), value_shown, printed))
+    return Markup(", ").join(parts)
+
+
+def input_name(case: Case, parameter: str) -> Markup:
+    """Return the name of an input in words, linked to what the page says of one that the paper leaves out."""
+    words = escape(parameter.replace("_", " "))
+    if parameter not in case.assumed:
+        return words
+    return Markup('<a href="#{}-input-{}">{}</a>').format(case.name, parameter, words)
 
 
 def input_value(value: object, of: str, digits: int = 6) -> Markup:
@@ -180,4 +198,10 @@ def reason(found: PaperResults, claim: Claim, row: Row, links: Sequence[Markup] 
         return _threshold(claim, row["range_low"], row["range_high"])
     if verdict == "contradicted" and row["witness"].startswith(f"{claim.quantity} ="):
         return Markup("")  # the number itself, said already
-    return said(row["witness"] or row["note"])
+    symbols = {
+        letter
+        for name in row["certificate"].split()
+        if name in found.certificates
+        for letter in found.certificates[name].symbols
+    }
+    return said(row["witness"] or row["note"], symbols)
