@@ -13,7 +13,7 @@ import pytest
 from gainsay.report import read_results, render_paper
 from gainsay.report.claims import verdicts_of
 from gainsay.report.designs import comparisons, design_views
-from gainsay.report.page import render_index
+from gainsay.report.page import paper_page, render_index
 from gainsay.report.provenance import provenance_of
 from gainsay.report.published import published_view
 from gainsay.steps.report import main
@@ -225,6 +225,15 @@ def test_published_numbers_stand_with_their_verdicts(root):
     assert [(n.sort, n.verdict) for n in numbers] == [("pole", "contradicted"), ("response", "reproduced")]
     assert view.total == sum(sum(found.values()) for found in view.counts.values()) == 6
     assert re.sub("<[^>]*>", "", numbers[0].difference) == "\u22126"  # (-0.31 + 0.25) / 0.01, by hand
+
+
+def test_an_id_in_a_sentence_leads_to_what_it_stands_for(root):
+    (found,) = read(root, ["toy2001"])
+    page = paper_page(found)
+    shown = page.linked("see audit.peak_fx, range-x and eq14-infeasible; $a_b$ is <b>")
+    assert '<a href="#toy2001-quantity-audit.peak_fx">audit.peak_fx</a>, range-x and' in shown
+    assert '<a href="#toy2001-certificate-eq14-infeasible">eq14-infeasible</a>' in shown
+    assert shown.endswith("is &lt;b&gt;") and shown.count("<a ") == 2
 
 
 def test_designs_stand_beside_the_printed_one(root):

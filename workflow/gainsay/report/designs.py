@@ -151,7 +151,9 @@ def _design_view(case: Case, design: Design, about: str) -> DesignView:
     matrices = []
     for name, ours in design.matrices.items():
         rows = tuple(tuple(number(entry.text) for entry in row) for row in ours.rows)
-        matrices.append((name, _printed(case, name, ours), MatrixView(f"{name}, {design.name}", rows)))
+        matrices.append(
+            (name, _printed(case, name, ours), MatrixView(f"{name}, {design.name}".replace("_", " "), rows))
+        )
     return DesignView(design.name, about, design.file, effort, tuple(matrices))
 
 

@@ -32,6 +32,12 @@ TABLES_INSIDE = ("published", "verdicts", "quantities")
 #: templates, style sheet and captions
 FOLDER = Path(__file__).resolve().parent / "templates"
 _ID = re.compile(r"[^A-Za-z0-9_.-]")
+#: what an id cannot stand in, or what looks like one: words joined by dots, dashes and underscores
+_MARKED_OR_ID = re.compile(r"<(math|code)>.*?</\1>|<[^>]*>|&\w+;|[A-Za-z]\w*(?:[-.]\w+|_\w+)+|[a-z]+_\w+", re.DOTALL)
+
+
+def _anchor(identifier: str) -> str:
+    return _ID.sub("-", identifier)
 
 
 @dataclass(frozen=True)
@@ -92,6 +98,24 @@ class PaperPage:
     def campaigns(self) -> tuple[CampaignView, ...]:
         """The campaigns that have been computed."""
         return campaign_views(self.case, self.found.campaigns)
+
+    @cached_property
+    def _places(self) -> dict[str, str]:
+        """Where on the page each claim, quantity, certificate and assumed input stands, by its id."""
+        named = {"input": self.case.assumed, "quantity": self.case.quantities,
+                 "certificate": self.found.certificates, "claim": self.case.claims}  # fmt: skip
+        return {id: f"{self.case.name}-{sort}-{_anchor(id)}" for sort, ids in named.items() for id in ids}
+
+    def linked(self, sentence: str) -> Markup:
+        """Return a sentence with its mathematics typeset, in which each id leads to what it stands for."""
+
+        def shown(found: re.Match[str]) -> str:
+            place = self._places.get(found[0])
+            if place is None:
+                return found[0]
+            return f'<a href="#{place}">{found[0].replace("_", " ") if found[0] in self.case.assumed else found[0]}</a>'
+
+        return Markup(_MARKED_OR_ID.sub(shown, str(said(sentence))))
 
     @property
     def provenance(self) -> Provenance:
@@ -174,7 +198,7 @@ def _environment() -> jinja2.Environment:
         plain=plain_text,
         url=quote,
         symbol=_symbol,
-        anchor=lambda identifier: _ID.sub("-", identifier),
+        anchor=_anchor,
     )
     environment.globals.update(
         ORDER=ORDER,
