@@ -126,10 +126,12 @@ def _is_scalar(matrix: np.ndarray) -> bool:
     return len(matrix) > 1 and not np.abs(rest).max() > _NOTHING * np.abs(matrix).max()
 
 
-def _read(value: np.ndarray, basis: np.ndarray, side: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def _read(
+    value: np.ndarray, basis: np.ndarray, side: str, least: float = 0.0
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """X of ``P_k X`` (side right), ``X'P_k`` (left), their sum (both), or of a sum with another matrix (apart); sizes.
 
-    `value` is that sum; what is given need not be a solution.
+    `value` is that sum, or smaller than `least` altogether; what is given need not be a solution.
     """
     from scipy import sparse
 
@@ -144,19 +146,19 @@ def _read(value: np.ndarray, basis: np.ndarray, side: str) -> Iterator[tuple[np.
     place = tuple(np.concatenate(part) for part in zip(*terms, strict=True))
     shape = (count * n * n, (2 if side == "apart" else 1) * n * n)
     stated = sparse.csr_matrix((np.tile(weights, len(terms)), place), shape=shape)
-    found = _solved(stated, value.transpose(2, 0, 1).ravel(), free=n * n if side == "apart" else None)
+    found = _solved(stated, value.transpose(2, 0, 1).ravel(), n * n if side == "apart" else None, least)
     if found is not None:
         yield from zip(*(part.reshape(-1, n, n) for part in found), strict=True)
 
 
-def _solved(stated: Any, right: np.ndarray, free: int | None) -> tuple[np.ndarray, np.ndarray] | None:
+def _solved(stated: Any, right: np.ndarray, free: int | None, least: float) -> tuple[np.ndarray, np.ndarray] | None:
     """Unknowns one after another where an equation holds one alone, least squares for the rest; and their sizes.
 
     X + c I and Y - c I are as good as X and Y: the unknown `free` is zero where nothing says otherwise. Those solved
     together may be off by one shift for all: they are as large as the largest of all.
     """
     x, left = np.zeros(stated.shape[1]), np.ones(stated.shape[1])
-    pattern = stated.copy()
+    pattern, number = stated.copy(), np.arange(stated.shape[1])
     pattern.data = np.ones_like(pattern.data)
     while left.any():
         alone = np.flatnonzero(pattern @ left == 1)
@@ -165,14 +167,12 @@ def _solved(stated: Any, right: np.ndarray, free: int | None) -> tuple[np.ndarra
             continue
         if not len(alone):
             break
-        rest, factor = right - stated @ x, stated @ left
-        which = (pattern[alone].multiply(left[None])).argmax(axis=1)
-        which = np.asarray(which).ravel()
-        alone, which = alone[factor[alone] != 0], which[factor[alone] != 0]
-        if not len(alone):
-            break
-        x[which] = rest[alone] / factor[alone]
+        rest, factor = (right - stated @ x)[alone], (stated @ left)[alone]
+        which = (pattern @ (left * number))[alone].astype(int)
+        x[which] = rest / factor
         left[which] = 0.0
+        if np.abs(factor * x[which] - rest).max() > _NOTHING * max(np.abs(right).max(), least):
+            return None  # two equations that ask for different values
     others = np.flatnonzero(left)
     if not len(others):
         return x, np.abs(x)
@@ -210,7 +210,7 @@ def read_stein(value: np.ndarray, basis: np.ndarray) -> Iterator[tuple[np.ndarra
     """
     outer = basis - value
     found = [(A, np.abs(A)) for A in _by_rows(outer, basis)]
-    found += [(A, np.full_like(A, np.abs(A).max())) for A in _intertwined(outer, basis)]
+    found = found or [(A, np.full_like(A, np.abs(A).max())) for A in _intertwined(outer, basis)]
     for A, known in found:
         size = np.abs(basis) + _congruent(known, np.abs(basis))
         if within_rounding(value, basis - _congruent(A, basis), size, 4):
@@ -282,7 +282,7 @@ def _intertwined(outer: np.ndarray, basis: np.ndarray) -> Iterator[np.ndarray]:
         for _ in range(2):
             back = np.linalg.inv(A)
             rest = _congruent(back, outer) - basis
-            for step, _ in _read(rest, basis, "both"):
+            for step, _ in _read(rest, basis, "both", np.abs(basis).max()):
                 A = A + step @ A
     except np.linalg.LinAlgError:
         return
