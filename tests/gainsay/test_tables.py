@@ -346,7 +346,7 @@ def test_what_a_sentence_is_held_to_is_said(project, column, value, statement, e
         ("at_most", "0.03", "m", "it is within $3\\times 10^{-2}$ m", "", None),
         ("at_most", "2.0", "kg", "it is light", "", None),  # the mass that the paper prints
         ("at_most", "2000", "g", "it is light", "", None),  # the same in another unit
-        ("at_most", "0.5", "s", "it is quick", "", ("published", "`statement` or a parameter prints")),  # one we assume
+        ("at_most", "0.5", "1", "it is short", "", ("published", "`statement` or a parameter prints")),  # one we assume
         ("at_most", "0", "m", "it is negative", "", None),  # a sign
         ("at_most", "1", "1", "it is less than the other", "", None),  # a ratio
         ("at_most", "1", "m", "it is less than the other", "", ("published", "a range `low..high`")),
