@@ -115,7 +115,8 @@ def _matrix(written: str) -> Markup:
         )
         for row in rows
     )
-    return Markup("<math><mrow><mo>[</mo><mtable>{}</mtable><mo>]</mo></mrow></math>").format(shown)
+    table = Markup("<math><mrow><mo>[</mo><mtable>{}</mtable><mo>]</mo></mrow></math>").format(shown)
+    return Markup('<span class="scroll">{}</span>').format(table)  # no line breaks inside it
 
 
 def _block(written: str) -> Markup:
