@@ -139,34 +139,6 @@ def test_without_a_screen_a_line_says_how_to_look(root, monkeypatch, capsys):
     assert "ssh -N -L" in line
 
 
-def test_a_log_of_somebody_else_is_told_as_far_as_it_goes(tmp_path, capsys):
-    """Written by the mcap package; cut short, what was read before stays told."""
-    from mcap.writer import CompressionType, Writer
-
-    path = tmp_path / "other.mcap"
-    with path.open("wb") as stream:
-        writer = Writer(stream, compression=CompressionType.NONE, use_chunking=False)
-        writer.start(profile="ros2", library="other")
-        schema = writer.register_schema("a", "jsonschema", b"{}")
-        channel = writer.register_channel("/a.b", "json", schema)
-        for second in range(5):
-            writer.add_message(channel, second * 10**9, b"{}", second * 10**9)
-        writer.finish()
-    assert commands.list_logs(tmp_path, str(path)) == 0
-    first, topic = capsys.readouterr().out.splitlines()
-    assert "not one of ours (profile 'ros2'" in first and "5 messages in 4 s" in first
-    assert topic.split() == ["/a.b", "json", "5", "messages"]
-    path.write_bytes(path.read_bytes()[:-400])
-    assert commands.list_logs(tmp_path, str(path)) == 0
-    assert "it breaks off" in capsys.readouterr().out
-    path.write_bytes(b"no log at all")
-    with pytest.raises(LogError, match="no MCAP file"):
-        commands.list_logs(tmp_path, str(path))
-    mine = write_demo(tmp_path / "mine.mcap", samples=11)
-    assert commands.list_logs(tmp_path, str(mine)) == 0
-    assert "mine.mcap: demo mine, 3000 s" in capsys.readouterr().out
-
-
 def test_the_topics_of_a_paper_are_listed_with_units_and_runs(root, tmp_path):
     topics = Topics()
     topics.add("spiral", read_log(root / "results/demo/logs/spiral.mcap"))

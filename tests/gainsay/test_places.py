@@ -2,6 +2,8 @@
 
 import errno
 import os
+import resource
+import signal
 import stat
 import subprocess
 import sys
@@ -11,11 +13,15 @@ from pathlib import Path
 
 import pytest
 
+from gainsay.campaigns import Plan
+from gainsay.campaigns.draws import counted_draws
+from gainsay.campaigns.store import write_chunk
 from gainsay.cli import main
 from gainsay.errors import InputError
 from gainsay.steps import holding
 from gainsay.steps.command import step_command
 from gainsay.tables.files import write_atomically
+from gainsay.tables.models import Campaign
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -76,6 +82,19 @@ def test_a_reader_that_goes_away_is_nothing_to_speak_of():
     assert done.wait() == 2
 
 
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_closed_streams_are_the_null_device_and_no_file_takes_their_number(tmp_path, closed):
+    """`gainsay lint >&-` ended in a traceback; what a solver writes to number 1 would go into the next file opened."""
+    code = "from gainsay.cli import main; code = main(['lint', 'wan2014']); import os; kept = open('a', 'wb')\n"
+    code += "[os.write(n, b'x') for n in (1, 2)]; kept.close(); os._exit(code)"
+    command = f'cd {tmp_path}; exec {sys.executable} -c "$0" {closed}'
+    code = code.replace("['lint'", f"['--root', '{ROOT}', 'lint'")
+    done = subprocess.run(["sh", "-c", command, code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    assert done.stderr in ("", "x")
+    assert (tmp_path / "a").read_bytes() == b""
+
+
 def test_results_that_are_no_folder_are_one_line(project, capsys):
     (project.root / "results").write_text("")
     assert step(project, lambda case: None) == 2
@@ -105,6 +124,41 @@ def test_a_full_disk_ends_a_step_in_one_line_and_leaves_the_old_file(project, ca
     assert capsys.readouterr().err == f"broken off: {path}: no space left on device\n"
     assert path.read_text() == "old"
     assert [p.name for p in path.parent.iterdir()] == ["a.csv"]
+
+
+@pytest.fixture
+def short_files():
+    """No file of this process grows beyond 4 kB: the disk that a test can fill."""
+    before, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    signal.signal(signal.SIGXFSZ, handler)
+
+
+def draws(case):
+    """A campaign whose only chunk is longer than 4 kB."""
+    row = Campaign(name="luck", kind="draws", inputs="factor=0..1", resolution="100000", seed="7", block="10",
+                   chunk="100000", claim="", question="q")  # fmt: skip
+    counted = counted_draws(("factor",), "n", {"n": "n"}, lambda case, block: {"n": (block.first * 7919 % 10007, 0)})
+    return Plan(case, row, counted, "0" * 16)
+
+
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [
+        ("a.csv", lambda case: write_atomically(case.results / "a.csv", "x" * 5000)),
+        ("chunk-0000000.parquet", lambda case: write_chunk(draws(case), 0)),
+    ],
+)
+def test_what_cannot_be_written_to_its_end_is_named_and_not_left(project, capsys, short_files, name, write):
+    """The system names no file in an error of writing; a chunk left its half behind."""
+    assert step(project, write) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"broken off: {project.root}/results/toy/")
+    assert f"{name}: " in said
+    assert "file too large" in said
+    assert [path.name for path in (project.root / "results/toy").rglob("*") if path.is_file()] == []
 
 
 def test_no_temporary_folder_is_one_line(project, capsys, monkeypatch):

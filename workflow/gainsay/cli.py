@@ -10,8 +10,9 @@ from pathlib import Path
 
 from gainsay import __version__
 from gainsay.errors import ComputationError, GainsayError, InputError, missing_extra, one_line, one_of
-from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, broken_off, refuse
+from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, broken_off, refuse, whole_streams
 from gainsay.tables import Case, find_root, paper_names, read_case
+from gainsay.tables.files import real_path
 
 #: differences that `check --brief` names at most, so that `make` stays on a screen or two; characters of a line
 MOST_LINES, LONGEST = 10, 160
@@ -72,7 +73,7 @@ def check(options: argparse.Namespace) -> int:
     if len(found) > len(shown):
         print(f"and {len(found) - len(shown)} more, which `gainsay check` names")
     if options.junit is not None:
-        write_junit(options.junit.resolve(), cases, found)
+        write_junit(real_path(options.junit), cases, found)
     for line in annotations(cases, found) if options.annotations else ():
         print(line)
     drafts = [case.name for case in cases if case.paper.draft]
@@ -118,7 +119,7 @@ def new(options: argparse.Namespace) -> int:
     if options.project is None:
         folder = new_paper(options.root, options.id)
     else:
-        folder = new_project(options.project.resolve(), options.id)
+        folder = new_project(real_path(options.project), options.id)
     print(f"{one_line(str(folder))}: a worked example; next: gainsay lint, snakemake --cores 2, gainsay check")
     if find_spec("snakemake") is None:
         print(f"snakemake is not installed here: it comes with {missing_extra('snakemake')}")
@@ -131,7 +132,7 @@ def export(options: argparse.Namespace) -> int:
 
     responsible = Responsible(options.responsible, options.license, options.id)
     cases = [read_case(options.root, paper) for paper in dict.fromkeys(_papers(options.root, options.papers))]
-    print(one_line(export(cases, options.crate.resolve(), responsible)))
+    print(one_line(export(cases, real_path(options.crate), responsible)))
     return CLEAN
 
 
@@ -139,7 +140,7 @@ def verify(options: argparse.Namespace) -> int:
     """Check a crate without computing: files, certificates, and that its tables follow from its results."""
     from gainsay.steps.verify import verify as verified
 
-    wrong, checked = verified(options.crate.resolve())
+    wrong, checked = verified(real_path(options.crate))
     for line in [*checked, *wrong[:MOST_LINES]]:
         print(one_line(line, LONGEST))
     if len(wrong) > MOST_LINES:
@@ -225,7 +226,7 @@ def prove(options: argparse.Namespace) -> int:
     refused = 0
     for path in options.certificates:
         try:
-            proof = check_file_within(path.resolve(), options.root, options.timeout)
+            proof = check_file_within(real_path(path), options.root, options.timeout)
         except InputError:
             raise
         except GainsayError as error:
@@ -331,7 +332,7 @@ def replay(options: argparse.Namespace) -> int:
     code = CLEAN
     for path in options.logs:
         try:
-            name, found = replay_log(options.root, path.resolve(), figures=not options.numbers_only)
+            name, found = replay_log(options.root, real_path(path), figures=not options.numbers_only)
         except InputError as error:  # one bad log hides no other
             code = refuse(error)
             continue
@@ -368,6 +369,7 @@ def _refuse_unknown(parser: argparse.ArgumentParser, arguments: Sequence[str]) -
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code."""
+    whole_streams()
     parser = _parser()
     try:
         _refuse_unknown(parser, sys.argv[1:] if arguments is None else arguments)

@@ -13,7 +13,7 @@ import numpy as np
 from gainsay.campaigns.plan import Block, Plan
 from gainsay.errors import InputError, missing_extra
 from gainsay.results.manifest import manifest_path
-from gainsay.tables.files import open_regular, write_json
+from gainsay.tables.files import naming, open_regular, write_json
 
 #: rows of a row group of the gathered table: what is held in memory at a time
 GROUP = 4096
@@ -84,10 +84,11 @@ class _Writer:
         self.file.add_key_value_metadata(dict(content))
 
     def __exit__(self, kind: type | None, *rest: object) -> None:
-        self.file.close()
-        if kind is None:
-            self.part.replace(self.path)
-        else:
+        try:
+            self.file.close()
+            if kind is None:
+                self.part.replace(self.path)
+        finally:
             self.part.unlink(missing_ok=True)
 
 
@@ -114,7 +115,8 @@ def write_chunk(plan: Plan, number: int) -> dict[str, int]:
     """
     total: Counter[str] = Counter()
     points = 0
-    with _Writer(chunk_path(plan, number), plan) as file:
+    path = chunk_path(plan, number)
+    with naming(path), _Writer(path, plan) as file:
         for block in plan.blocks(number):
             table, counts = _block_table(plan, block, file.schema)
             total.update(counts)
@@ -190,7 +192,7 @@ def gather(plan: Plan) -> dict[str, Any]:
     arrow = _arrow()
     total: Counter[str] = Counter()
     path = folder(plan) / f"{plan.row.name}.parquet"
-    with _Writer(path, plan) as file:
+    with naming(path), _Writer(path, plan) as file:
         waiting = file.schema.empty_table()
         for number in range(plan.chunks):
             chunk = chunk_path(plan, number)

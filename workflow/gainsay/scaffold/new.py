@@ -9,6 +9,7 @@ from pathlib import Path
 
 from gainsay import __version__
 from gainsay.errors import InputError
+from gainsay.tables.files import naming
 from gainsay.tables.folder import checked_name
 from gainsay.tables.models import TABLES, columns
 
@@ -65,7 +66,8 @@ def _write(folder: Path, files: Iterator[tuple[str, str]]) -> None:
     for file, text in files:
         path = folder / file
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+        with naming(path):
+            path.write_text(text, encoding="utf-8")
 
 
 def new_paper(root: Path, name: str) -> Path:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 from gainsay.errors import InputError, one_of
 from gainsay.results.manifest import current_manifest, manifest_path
 from gainsay.steps.closure import closure
-from gainsay.steps.command import CLEAN, broken_off, refuse
+from gainsay.steps.command import CLEAN, broken_off, refuse, whole_streams
 from gainsay.steps.modules import paper_module
 from gainsay.tables import Case, find_root, read_case
 from gainsay.tables.campaigns import named
@@ -162,6 +162,7 @@ def gather_all(case: Case, name: str) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one job of a campaign and return the exit code."""
+    whole_streams()
     parser = argparse.ArgumentParser(description=__doc__, epilog="exit codes: 0 done, 2 bad input")
     parser.add_argument("paper", help="folder name below papers/")
     parser.add_argument("campaign", help="name of a campaign of campaigns.csv")

@@ -31,6 +31,15 @@ def broken_off(error: OSError) -> int:
     return BAD_INPUT
 
 
+def whole_streams() -> None:
+    """Put the null device where a standard stream is closed: a file opened later would take its number."""
+    while (handle := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(handle)
+    sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
+
+
 def step_command(work: Callable[[Case], None], about: str, arguments: Sequence[str] | None = None) -> int:
     """Run a step for the paper named on the command line.
 
@@ -52,6 +61,7 @@ def step_command(work: Callable[[Case], None], about: str, arguments: Sequence[s
     parser = argparse.ArgumentParser(description=about, epilog="exit codes: 0 done, 2 bad input")
     parser.add_argument("paper", help="folder name below papers/, such as wan2014")
     parser.add_argument("--root", type=Path, help="project root; default: the project around the current folder")
+    whole_streams()
     options = parser.parse_args(arguments)
     try:
         root = find_root(options.root)

@@ -9,7 +9,7 @@ from gainsay.errors import InputError
 from gainsay.report import PaperResults, write_index, write_provenance
 from gainsay.results.listing import write_listing
 from gainsay.results.returned import VERDICT_COLUMNS, read_returned
-from gainsay.steps.command import CLEAN, broken_off, refuse
+from gainsay.steps.command import CLEAN, broken_off, refuse, whole_streams
 from gainsay.steps.holding import hold_as_step
 from gainsay.steps.page import results_of
 from gainsay.tables import Case, find_root, read_case
@@ -66,6 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, epilog="exit codes: 0 done, 2 bad input")
     parser.add_argument("papers", nargs="+", help="folder names below papers/, such as wan2014")
     parser.add_argument("--root", type=Path, help="project root; default: the project around the current folder")
+    whole_streams()
     options = parser.parse_args(arguments)
     try:
         root = find_root(options.root)

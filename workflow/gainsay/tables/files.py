@@ -7,8 +7,8 @@ import math
 import os
 import stat
 import tempfile
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -41,6 +41,21 @@ def _lives(process: int) -> bool:
     return True
 
 
+def real_path(path: Path) -> Path:
+    """Return where a path leads; a link that leads to itself stays, for whoever opens it to refuse."""
+    return Path(os.path.realpath(path))
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Name the file in an error of the system: one that comes of writing to an open file names none."""
+    try:
+        yield
+    except OSError as error:
+        error.filename = error.filename or str(path)
+        raise
+
+
 def write_atomically(path: Path, data: bytes | str) -> None:
     """Write a file under a temporary name, then rename it: readers never see half a file.
 
@@ -49,13 +64,13 @@ def write_atomically(path: Path, data: bytes | str) -> None:
     InputError
         If something else than a file is there, such as a device: renaming would put the file in its place.
     """
-    path = Path(os.path.realpath(path))  # of what a link leads to
+    path = real_path(path)  # a link stays one
     if path.exists() and not path.is_file():
         raise InputError("not a file", file=str(path), expected="a file, or a name that is free")
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{os.getpid()}.", suffix=_PART)
     try:
-        with os.fdopen(handle, "wb") as file:
+        with naming(path), os.fdopen(handle, "wb") as file:
             file.write(data.encode() if isinstance(data, str) else data)
         Path(temporary).chmod(0o666 & ~_UMASK)  # mkstemp makes files private; results are as private as one wants them
         Path(temporary).replace(path)

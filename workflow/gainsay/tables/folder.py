@@ -11,7 +11,7 @@ from gainsay.errors import InputError, one_of
 from gainsay.exact.digits import PrintedNumber
 from gainsay.tables.case import Case, Designs
 from gainsay.tables.designs import read_designs
-from gainsay.tables.files import listed, short_path
+from gainsay.tables.files import listed, real_path, short_path
 from gainsay.tables.lint import lint
 from gainsay.tables.models import (
     Campaign,
@@ -43,7 +43,7 @@ def find_root(start: Path | None = None) -> Path:
     InputError
         Outside a project.
     """
-    start = (start or Path.cwd()).resolve()
+    start = real_path(start or Path.cwd())
     for folder in (start, *start.parents):
         if (folder / "papers").is_dir() and (folder / "Snakefile").is_file():
             return folder
