@@ -250,6 +250,9 @@ def test_status_counts_chunks_and_tells_rate_and_time_left(case):
     line = progress(whole, now=1125)
     # two chunks in 120 s; 18 are left: 1080 s
     assert line.startswith("luck: 3 of 21 chunks, 1 a minute, 18 min left, so far: 150 draws, ")
+    # a chunk a minute: nothing for five minutes is said
+    assert "none for" not in progress(whole, now=1419)
+    assert ", none for 8 min, so far: 150 draws" in progress(whole, now=1600)
     assert rate([1000.0], 1001.0) == 0
     assert rate([0.0, 1.0], 100.0) == pytest.approx(0.01)  # nothing for long: the rate falls
     for number in range(3, whole.chunks):

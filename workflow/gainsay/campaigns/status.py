@@ -10,6 +10,8 @@ from gainsay.errors import InputError
 
 #: chunks whose times tell the rate: the last ones done
 _RECENT = 20
+#: how often the time between chunks nothing may come before it is said, and for how many seconds at least
+_OVERDUE, _SILENT = 5, 60.0
 _UNITS = ((86400, "d"), (3600, "h"), (60, "min"), (1, "s"))
 
 
@@ -30,6 +32,18 @@ def rate(done: list[float], now: float) -> float:
     recent = sorted(done)[-_RECENT:]
     span = (now if now - recent[-1] > recent[-1] - recent[0] else recent[-1]) - recent[0] if len(recent) > 1 else 0.0
     return (len(recent) - 1) / span if span > 0 else 0.0
+
+
+def silence(done: list[float], now: float) -> float:
+    """Seconds since the last chunk where they are long beside the time between chunks, else 0.
+
+    A job that its scheduler lost never ends: that nothing comes is all there is to see.
+    """
+    recent = sorted(done)[-_RECENT:]
+    if len(recent) < 2:
+        return 0.0
+    idle = now - recent[-1]
+    return idle if idle > max(_SILENT, _OVERDUE * (recent[-1] - recent[0]) / (len(recent) - 1)) else 0.0
 
 
 def progress(plan: Plan, now: float | None = None) -> str:
@@ -58,4 +72,6 @@ def progress(plan: Plan, now: float | None = None) -> str:
     speed = rate(times, now) if times else 0.0
     if speed:
         line += f", {speed * 60:.3g} a minute, {spelled((plan.chunks - len(times)) / speed)} left"
+    idle = silence(times, now)
+    line += f", none for {spelled(idle)}" if idle else ""
     return f"{line}, so far: {so_far}" if so_far else line
