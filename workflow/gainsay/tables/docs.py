@@ -38,7 +38,7 @@ _PLAIN = str.maketrans({c: f"\\{c}" for c in "\\|`*$"} | {"&": "&amp;", "<": "&l
 
 
 def escaped(text: str) -> str:
-    """Return a sentence as it must stand in a cell of a Markdown table: no new column, no emphasis, no HTML.
+    """Return a sentence as it must stand in a cell of a Markdown table: no new column, no emphasis, link or HTML.
 
     Its mathematics stays mathematics.
 
@@ -48,7 +48,11 @@ def escaped(text: str) -> str:
     \\|\\|w\\|\\| &lt; 1
     """
     pieces = parts(text)
-    return "".join("$`{}`$".format(t.replace("|", "\\|")) if is_tex else t.translate(_PLAIN) for t, is_tex in pieces)
+    return "".join("$`{}`$".format(t.replace("|", "\\|")) if is_tex else _text(t) for t, is_tex in pieces)
+
+
+def _text(text: str) -> str:
+    return text.translate(_PLAIN).replace("](", "]\\(")
 
 
 def _type(field: FieldInfo) -> str:
@@ -170,7 +174,7 @@ def _verdicts(cases: list[Case]) -> str:
             "",
             f"## {case.name}",
             "",
-            f"{', '.join(case.paper.authors)}. {case.paper.title}. {case.paper.journal}, {case.paper.year}.",
+            _text(f"{', '.join(case.paper.authors)}. {case.paper.title}. {case.paper.journal}, {case.paper.year}."),
             "",
             "| verdict | where | the paper says | weight | scan of the text |",
             "| --- | --- | --- | --- | --- |",
