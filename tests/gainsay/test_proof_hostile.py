@@ -324,6 +324,18 @@ def test_prove_refuses_in_one_line_and_goes_on(tmp_path, capsys):
     assert "\x1b" not in out
 
 
+@pytest.mark.parametrize("kind", ["os", "lyapunow", "x" * 200])
+def test_a_refusal_by_prove_is_300_characters_at_most(tmp_path, capsys, kind):
+    """The names of all kinds made it 405, a list of printed matrices 347."""
+    (tmp_path / ("a" * 100)).mkdir()
+    path = written(tmp_path / ("a" * 100), good(kind=kind))
+    assert main(["--root", str(ROOT), "prove", str(path)]) == 1
+    out = capsys.readouterr().out
+    assert out.count("\n") == 1
+    assert len(out) <= 301
+    assert ": REFUSED: c" in out
+
+
 def test_prove_without_a_file_is_bad_input(tmp_path, capsys):
     here = written(tmp_path, good())
     assert main(["--root", str(ROOT), "prove", str(here), str(tmp_path / "no.json")]) == 2

@@ -9,7 +9,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from gainsay import __version__
-from gainsay.errors import ComputationError, GainsayError, InputError, missing_extra, one_line, one_of
+from gainsay.errors import LONGEST as LONGEST_REFUSAL
+from gainsay.errors import LONGEST_FILE, ComputationError, GainsayError, InputError, missing_extra, one_line, one_of
 from gainsay.steps.command import BAD_INPUT, CLEAN, DIFFERENCES, broken_off, refuse, whole_streams
 from gainsay.tables import Case, find_root, paper_names, read_case
 from gainsay.tables.files import real_path
@@ -218,11 +219,12 @@ def docs(options: argparse.Namespace) -> int:
 def prove(options: argparse.Namespace) -> int:
     """Check certificates again and say what each concludes, from which formulas, and what stays on faith."""
     from gainsay.proof.guarded import check_file_within
-    from gainsay.proof.telling import lines, one_line
+    from gainsay.proof.telling import lines
+    from gainsay.proof.telling import one_line as shown
 
     for path in options.certificates:
         if not os.path.isfile(path):  # noqa: PTH113  # unlike Path.is_file it has an answer for names of any length
-            raise InputError("file not found", file=one_line(str(path)), expected="a certificate")
+            raise InputError("file not found", file=shown(str(path)), expected="a certificate")
     refused = 0
     for path in options.certificates:
         try:
@@ -230,10 +232,11 @@ def prove(options: argparse.Namespace) -> int:
         except InputError:
             raise
         except GainsayError as error:
-            print(f"{one_line(str(path))}: REFUSED: {one_line(str(error))}", flush=True)
+            said = f"{one_line(shown(str(path)), LONGEST_FILE)}: REFUSED: "
+            print(said + one_line(shown(str(error)), LONGEST_REFUSAL - len(said)), flush=True)
             refused += 1
             continue
-        print(f"{one_line(str(path))}: accepted")
+        print(f"{shown(str(path))}: accepted")
         for line in lines(proof):
             print(f"  {line}", flush=True)
     return DIFFERENCES if refused else CLEAN
