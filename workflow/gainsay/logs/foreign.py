@@ -6,11 +6,10 @@ from io import BytesIO
 from pathlib import Path
 
 import zstandard
-from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]  # comes with mcap
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Header, Message
-from mcap.stream_reader import StreamReader
+from mcap.stream_reader import StreamReader, lz4
 
 from gainsay.errors import LogError, one_line
 from gainsay.logs.container import LARGEST_CHUNK, PROFILE
@@ -60,7 +59,7 @@ def _unpacked(record: object, where: Place) -> Iterator[object]:
     if record.compression == "zstd":
         data = zstandard.ZstdDecompressor().stream_reader(data).read(LARGEST_CHUNK + 1)
     elif record.compression == "lz4":
-        data = LZ4FrameDecompressor().decompress(data, max_length=LARGEST_CHUNK + 1)
+        data = lz4.LZ4FrameDecompressor().decompress(data, max_length=LARGEST_CHUNK + 1)
     if len(data) > LARGEST_CHUNK:
         raise ValueError(f"a chunk of more than {LARGEST_CHUNK} bytes")
     for opcode, _, start, end in records_in(data, 0, len(data), where):
