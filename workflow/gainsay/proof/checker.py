@@ -220,7 +220,7 @@ def _check(
         except ValueError as error:
             raise CertificateError(f"{owner}: conclusion on {conclusion.quantity!r}: {error}") from error
         if not follows:
-            given = "; ".join(f"{p.of} {p.relation} {p.value or ''}".strip() for p in found)
+            given = "; ".join(f"{p.of} {p.relation} {p.value or ''}".strip()[:200] for p in found)
             raise CertificateError(
                 f"{owner}: {conclusion.of or '?'} {conclusion.relation} {conclusion.value or ''} "
                 f"of {conclusion.quantity!r} does not follow from what was proved ({given})"
