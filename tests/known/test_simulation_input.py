@@ -11,7 +11,7 @@ from gainsay.errors import ComputationError, InputError
 from gainsay.simulation.delay import DelayLaw, simulate_delay
 from gainsay.simulation.linear import Response
 from gainsay.simulation.ode import integrate
-from gainsay.simulation.periodic import piecewise
+from gainsay.simulation.periodic import PeriodicSolution, piecewise
 
 NAN, INF, ONE = float("nan"), float("inf"), np.eye(1)
 
@@ -112,3 +112,27 @@ def test_a_pulse_between_its_jumps(width):
     found = simulate_delay(0 * ONE, -ONE, ONE, constant(1.0), np.zeros(1), 2.0, forcing=pulse, jumps=ends)
     assert found(1.4)[0, 0] == pytest.approx(1.0, abs=1e-9)
     assert found(2.0)[0, 0] == pytest.approx(1 - (0.5 - width / 2), abs=1e-7)
+
+
+@pytest.mark.parametrize("method", ["DOP853", "Radau", "LSODA", "BDF"])
+def test_a_slope_beyond_doubles_ends_the_integration(method):
+    # x' = exp(min(1000 x, 700)): finite, and its slope in x is not
+    with pytest.raises(ComputationError, match="integration"):
+        integrate(lambda t, x: np.exp(np.minimum(1e3 * x, 700)), [0.5], 1.0, method=method)
+
+
+def test_an_error_of_the_right_hand_side_itself_is_not_hidden():
+    def broken(t, x):
+        if t > 0:
+            raise ValueError("of its own")
+        return -x
+
+    with pytest.raises(ValueError, match="of its own"):
+        integrate(broken, [0.5], 1.0, method="Radau")
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_periodic_solution_beyond_doubles_is_refused_without_a_warning():
+    # x' = 1e4 x for 200 s: e^(2e6)
+    with pytest.raises(ComputationError, match="leaves double precision"):
+        PeriodicSolution(lambda t: np.array([[1e4]]), 1.0, np.array([1.0]), 200)

@@ -22,6 +22,8 @@ from gainsay.exact.floats import real_array, real_number, real_row
 
 Function = Callable[[float, np.ndarray], np.ndarray]
 _NUDGE = 1e-9
+#: what SciPy says of a matrix that it cannot factor
+_NOT_FINITE = "infs or NaNs"
 _MAX_KINKS = 10_000
 #: so many kinks within this part of the whole are a solution that slides along one of them
 _SLIDING, _TOGETHER = 200, 1e-6
@@ -137,11 +139,12 @@ def integrate(
             found = solve_ivp(
                 guarded, (time, end), state, method, rtol=rtol, atol=atol, dense_output=True, events=kinks or None
             )
-        except (ValueError, np.linalg.LinAlgError) as error:  # of matrices that hold an infinite derivative
-            if guarded.infinite is None:
+        except (ValueError, np.linalg.LinAlgError) as error:  # of matrices that hold an infinite derivative or slope
+            if guarded.infinite is None and _NOT_FINITE not in str(error):
                 raise
-            message = f"the derivative is infinite at t = {guarded.infinite!r} s"
-            raise ComputationError("integration", message) from error
+            what = f"{method} left double precision" if guarded.infinite is None else "the derivative is infinite"
+            place = guarded.latest if guarded.infinite is None else guarded.infinite
+            raise ComputationError("integration", f"{what} at t = {place!r} s") from error
         if found.status < 0:
             raise ComputationError("integration", f"{method} gave up at t = {float(found.t[-1])!r} s: {found.message}")
         if not np.isfinite(found.y).all():

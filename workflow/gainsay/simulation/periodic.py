@@ -122,18 +122,19 @@ class PeriodicSolution:
             return matrix
 
         self.A, self.period, self.step = checked, float(period), float(period) / steps
-        maps = np.empty((steps, n, n))
-        total = np.eye(n)
-        for j in range(steps):
-            maps[j] = total
-            total = magnus_step(self.A, j * self.step, self.step) @ total
-        self.monodromy = total
-        starts = np.empty((periods + 1, n))
-        starts[0] = start
-        for k in range(periods):
-            starts[k + 1] = total @ starts[k]
-        inner = np.einsum("jab,kb->kja", maps, starts[:-1], optimize=True)
-        self.states = np.vstack([inner.reshape(periods * steps, n), starts[-1]])
+        with np.errstate(over="ignore", invalid="ignore"):  # what leaves double precision is refused below
+            maps = np.empty((steps, n, n))
+            total = np.eye(n)
+            for j in range(steps):
+                maps[j] = total
+                total = magnus_step(self.A, j * self.step, self.step) @ total
+            self.monodromy = total
+            starts = np.empty((periods + 1, n))
+            starts[0] = start
+            for k in range(periods):
+                starts[k + 1] = total @ starts[k]
+            inner = np.einsum("jab,kb->kja", maps, starts[:-1], optimize=True)
+            self.states = np.vstack([inner.reshape(periods * steps, n), starts[-1]])
         self.times = np.arange(periods * steps + 1) * self.step
         if not np.isfinite(self.states).all():
             lost = float(self.times[~np.isfinite(self.states).all(axis=1)][0])

@@ -25,7 +25,7 @@ from gainsay.proof.scope import Scope
 THEOREM = "every requirement proved at the level by a kind of its own"
 FAITH = (
     "That the uncertainty at every smaller level is among that at the level.",
-    "That the parameters named as radius, shift, level or bound of its parts are those of the paper's own requirements.",
+    "That the parameters named as radius, shift, level or bound of its parts are the paper's own requirements.",
 )
 REQUIRED = ("level", "parts")
 OPTIONAL = ()
