@@ -188,6 +188,16 @@ def test_damaged_results_break_no_command_and_no_other_paper(made, tmp_path, bat
     assert outcomes["read"] > 10
 
 
+@pytest.mark.parametrize("data", [b"<svg wid\xf4h='10pt'></svg>", b"\xff\xfe<\0s\0", b"\0", b""])
+def test_a_damaged_picture_costs_no_page_and_is_said(made, tmp_path, data):
+    root = tmp_path / "project"
+    shutil.copytree(made, root, symlinks=True)
+    (root / "results/toy/figures/figure_1.svg").write_bytes(data)
+    case = read_case(root, "toy")
+    assert "<h1" in render_paper(read_results(case))
+    assert [row for row in check([case]) if "figure_1.svg" in row[2]]
+
+
 def test_whole_results_are_clean(made, tmp_path):
     """The campaign begins with nothing to complain about, but for what a toy lacks: proofs and views."""
     whats = {what for _, what, *_ in check([read_case(made, "toy")])}

@@ -14,7 +14,8 @@ def data_uri(svg: Path, png: Path | None = None) -> str:
     """Return a figure as a data URI: the SVG, or its PNG where the SVG is large and the PNG is smaller."""
     if png is not None and png.is_file() and LARGEST_SVG < svg.stat().st_size > 4 / 3 * png.stat().st_size:
         return f"data:image/png;base64,{base64.b64encode(png.read_bytes()).decode('ascii')}"
-    return svg_uri(svg.read_text(encoding="utf-8"))
+    # a damaged picture costs no page: that it is altered is for `gainsay check` to say
+    return svg_uri(svg.read_text(encoding="utf-8", errors="replace"))
 
 
 def svg_uri(text: str) -> str:
