@@ -106,7 +106,7 @@ def test_the_guide_from_an_empty_folder(tmp_path):
         )  # fmt: skip
         assert done.returncode == 0, done.stdout + done.stderr
         if "snakemake --cores 2\n" in block:  # says at once what it begins, and stays on a screen
-            assert re.search(r"^\d+ steps to run, smith1999_synthesis first;", done.stdout, re.MULTILINE)
+            assert re.search(r"^\d+ steps to run;", done.stdout, re.MULTILINE)
             assert len((done.stdout + done.stderr).splitlines()) <= 60
     assert (tmp_path / "papers/smith1999/recorded.csv").is_file()
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from gainsay import cli
+from gainsay.errors import InputError
 from gainsay.steps.audit import audit
 from gainsay.tables import read_case
 from gainsay.tables.models import TABLES, columns
@@ -117,3 +118,13 @@ def test_a_search_writes_the_design_that_a_run_reads(root, capsys, monkeypatch):
 def test_an_unknown_command_is_answered_with_the_nearest(root, capsys):
     assert cli.main(["chek"]) == 2
     assert "bad input: unknown command 'chek': expected 'check'? It is one of lint, check," in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("table", ["claims", "designs"])
+def test_an_unknown_row_is_named_with_what_there_is(root, table):
+    rows = getattr(read_case(root, "toy2001"), table)
+    with pytest.raises(
+        InputError, match=f"{table.removesuffix('s')} 'torqe': expected .*{'torque' if rows else 'none'}"
+    ):
+        rows["torqe"]
+    assert rows.get("torqe") is None

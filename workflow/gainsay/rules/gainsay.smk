@@ -33,13 +33,10 @@ rule unknown:
 
 # Snakemake is silent itself, and the first step speaks when it has ended.
 onstart:
-    steps = [
-        job.rule.name for job in workflow.dag.needrun_jobs() if not job.is_norun
-    ]
-    first = next((rule.name for rule in workflow.rules if rule.name in steps), "")
+    steps = [job for job in workflow.dag.needrun_jobs() if not job.is_norun]
     print(
-        f"{len(steps)} steps to run, {first} first; each says in a line what it found when it ends,"
-        " on a first run within a minute"
+        f"{len(steps)} steps to run; each says in a line what it found when it ends,"
+        " the first of a first run within a minute"
     )
     sys.stdout.flush()
 

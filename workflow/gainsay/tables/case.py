@@ -1,10 +1,11 @@
 """A paper's folder, read and validated as a whole."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -29,30 +30,19 @@ from gainsay.tables.reading import PrintedMatrix
 from gainsay.tables.reads import note
 from gainsay.tables.units import is_exact, to_si
 
+T = TypeVar("T")
 
-class Designs(Mapping[str, Design]):
-    """The designs of a paper by name; an unknown one is refused with the nearest."""
 
-    def __init__(self, found: Mapping[str, Design]) -> None:
-        self._found = dict(found)
+class Named(dict[str, T]):
+    """Rows of a table by name; an unknown one is refused with the nearest."""
 
-    def __getitem__(self, name: str) -> Design:
-        """Return a design."""
-        if name not in self._found:
-            raise InputError("design", value=name, expected=one_of(str(name), self._found))
-        return self._found[name]
+    def __init__(self, what: str, found: Mapping[str, T]) -> None:
+        super().__init__(found)
+        self.what = what
 
-    def __contains__(self, name: object) -> bool:
-        """Whether there is a design of this name."""
-        return name in self._found
-
-    def __iter__(self) -> Iterator[str]:
-        """Names in the order of paper.toml."""
-        return iter(self._found)
-
-    def __len__(self) -> int:
-        """Number of designs."""
-        return len(self._found)
+    def __missing__(self, name: str) -> T:
+        """Refuse a name that there is not."""
+        raise InputError(self.what, value=name, expected=one_of(str(name), self))
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 
 from gainsay.errors import InputError, one_of
 from gainsay.exact.digits import PrintedNumber
-from gainsay.tables.case import Case, Designs
+from gainsay.tables.case import Case, Named
 from gainsay.tables.designs import read_designs
 from gainsay.tables.files import listed, real_path, short_path
 from gainsay.tables.lint import lint
@@ -180,7 +180,7 @@ def read_case(root: Path, paper: str) -> Case:
         paper=paper_file,
         parameters=parameters,
         quantities=table("quantities.csv", Quantity, "id"),
-        claims=table("claims.csv", Claim, "id"),
+        claims=Named("claim", table("claims.csv", Claim, "id")),
         errata=table("errata.csv", Erratum, "id", required=False),
         not_checked=tuple(read_rows(folder / "not_checked.csv", NotChecked, root).values()),
         replies=tuple(read_rows(folder / "replies.csv", Reply, root, required=False).values()),
@@ -188,7 +188,7 @@ def read_case(root: Path, paper: str) -> Case:
         recorded_scans=table("recorded_scans.csv", RecordedScan, ("claim", "item"), required=False),
         recorded_reads=table("recorded_reads.csv", RecordedRead, ("quantity", "parameter"), required=False),
         recorded_certificates=table("recorded_certificates.csv", RecordedCertificate, "certificate", required=False),
-        designs=Designs(read_designs(folder, paper_file.designs, root)),
+        designs=Named("design", read_designs(folder, paper_file.designs, root)),
         campaigns=table("campaigns.csv", Campaign, "name", required=False),
         _matrices=MappingProxyType(matrices),
     )
