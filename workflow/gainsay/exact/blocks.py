@@ -1,21 +1,26 @@
 """Matrices put together from blocks."""
 
 from collections.abc import Sequence
+from typing import Any
 
-from flint import arb_mat
+from flint import arb, arb_mat, fmpq
 
-from gainsay.exact.matrix import BALL, POLYNOMIAL, RATIONAL, Matrix, RingError, fits, zeros
+from gainsay.exact.matrix import BALL, POLYNOMIAL, RATIONAL, Matrix, RingError, fits
 from gainsay.exact.rational import rational_matrix
 
 __all__ = ["block", "diagonal", "kron"]
 
 
-def _common(matrices: Sequence[Matrix]) -> list[Matrix]:
+def _as_rows(matrices: Sequence[Matrix]) -> tuple[str, Any, list[list[list[Any]]]]:
+    """Bring matrices to one ring: the ring, its zero, and the rows of each matrix."""
     rings = {m.ring for m in matrices}
     if POLYNOMIAL in rings:
         context = next(m for m in matrices if m.ring == POLYNOMIAL).entry(0, 0).context()
-        return [m.to_polynomial(context) for m in matrices]
-    return [m.to_ball() for m in matrices] if BALL in rings else list(matrices)
+        zero = Matrix.number(0).to_polynomial(context).entry(0, 0)
+        return POLYNOMIAL, zero, [m.to_polynomial(context).rows() for m in matrices]
+    if BALL in rings:
+        return BALL, arb(0), [m.to_ball().rows() for m in matrices]
+    return RATIONAL, fmpq(0), [m.rows() for m in matrices]
 
 
 def block(rows: Sequence[Sequence[Matrix | None]]) -> Matrix:
@@ -47,19 +52,16 @@ def block(rows: Sequence[Sequence[Matrix | None]]) -> Matrix:
     heights = [max((m.shape[0] for m in line if not fills(m)), default=1) for line in grid]
     widths = [max((line[j].shape[1] for line in grid if not fills(line[j])), default=1) for j in range(count)]
     fits((sum(heights), sum(widths)))
-    flat: list[Matrix] = []
-    for i, line in enumerate(grid):
-        for j, entry in enumerate(line):
-            placed = zeros(heights[i], widths[j]) if fills(entry) else entry
-            if placed.shape != (heights[i], widths[j]):
-                raise RingError(f"block ({i}, {j}) has shape {placed.shape}, expected {(heights[i], widths[j])}")
-            flat.append(placed)
-    flat = _common(flat)
-    entries = []
-    for i, height in enumerate(heights):
-        lines = [flat[i * count + j].rows() for j in range(count)]
-        entries += [[x for part in lines for x in part[k]] for k in range(height)]
-    ring = flat[0].ring
+    places = [(i, j) for i, line in enumerate(grid) for j, entry in enumerate(line) if not fills(entry)]
+    for i, j in places:
+        if grid[i][j].shape != (heights[i], widths[j]):
+            raise RingError(f"block ({i}, {j}) has shape {grid[i][j].shape}, expected {(heights[i], widths[j])}")
+    ring, zero, parts = _as_rows([grid[i][j] for i, j in places])
+    entries = [[zero] * sum(widths) for _ in range(sum(heights))]
+    for (i, j), part in zip(places, parts, strict=True):
+        top, left = sum(heights[:i]), sum(widths[:j])
+        for k, row in enumerate(part):
+            entries[top + k][left : left + widths[j]] = row
     if ring == POLYNOMIAL:
         return Matrix(entries)
     return Matrix(arb_mat(entries) if ring == BALL else rational_matrix(entries))
@@ -67,8 +69,8 @@ def block(rows: Sequence[Sequence[Matrix | None]]) -> Matrix:
 
 def diagonal(blocks: Sequence[Matrix]) -> Matrix:
     """Block-diagonal matrix; numbers are blocks of size one."""
-    zero = [[zeros(a.shape[0], b.shape[1]) for b in blocks] for a in blocks]
-    return block([[m if i == j else zero[i][j] for j in range(len(blocks))] for i, m in enumerate(blocks)])
+    zero = Matrix.number(0)
+    return block([[m if i == j else zero for j in range(len(blocks))] for i, m in enumerate(blocks)])
 
 
 def kron(left: Matrix, right: Matrix) -> Matrix:

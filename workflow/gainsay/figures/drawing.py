@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from gainsay.figures.style import DASHES, RESOLUTION, STYLE, width_of
 from gainsay.logs import Line, Log, Plot, lines
@@ -19,6 +20,13 @@ from gainsay.tables import Case
 
 #: draws into a figure, from the logs by run and the tables
 Draw = Callable[[Figure, Mapping[str, Log], Case], None]
+
+
+class _PlainTicks(ScalarFormatter):
+    """Numbers at ticks as plain text; a power of ten at the end of an axis alone is typeset, which takes a parser."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return super().__call__(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
 
 
 @dataclass(frozen=True)
@@ -235,6 +243,9 @@ def save(spec: FigureSpec, logs: Mapping[str, Log], case: Case, folder: Path) ->
         figure = Figure(figsize=(width_of(case), spec.height), layout="constrained")
         FigureCanvasAgg(figure)
         spec.draw(figure, logs, case)
+        for axis in (axis for panel in figure.axes for axis in (panel.xaxis, panel.yaxis)):
+            if type(axis.get_major_formatter()) is ScalarFormatter:
+                axis.set_major_formatter(_PlainTicks())
         for ending, metadata in (("svg", {"Date": None, "Creator": None}), ("png", {"Software": None})):
             temporary = folder / f".{spec.name}.{ending}"
             figure.savefig(temporary, format=ending, dpi=RESOLUTION, metadata=metadata)
