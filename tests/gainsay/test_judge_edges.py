@@ -75,6 +75,13 @@ def test_a_scan_of_more_values_than_points_is_refused(changes, tmp_path):
             outcome(claim("at_most", "2"), content(**changes))
 
 
+@pytest.mark.parametrize("at", [-0.01, 1.01, 1e300])
+def test_a_scan_at_a_point_outside_its_range_is_refused(at, tmp_path):
+    write_json(tmp_path / "one.json", content(points=[[0.0], [at]]))
+    with pytest.raises(InputError, match=r"one\.json.*outside its range"):
+        read_scans([tmp_path / "one.json"], tmp_path)
+
+
 def test_a_scan_that_is_new_or_gone_is_a_difference(project):
     case = project.case()
     (case.results / "scans").mkdir(parents=True)

@@ -17,6 +17,8 @@ from gainsay.verdicts.criterion import NUMERIC, Criterion, criteria
 from gainsay.verdicts.plausible import Plausible, Point, nearest
 
 Pair = tuple[float, Point]
+#: how far outside its range, as a share of it, rounding may put the end of an input
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -193,7 +195,9 @@ def _read_scan(path: Path, root: Path) -> dict[str, Any]:
         for found in (scan, *scan.crossings, scan.closer):
             for _, row in zip(found.values, found.points, strict=True):
                 for entry, at in zip(inputs, row, strict=True):
-                    entry.fraction(at)  # raises where the input cannot have the value
+                    # raises where the input is one of values and this is none of them
+                    if not -_ROUNDING <= entry.fraction(at) <= 1 + _ROUNDING:
+                        raise ValueError(f"{entry.name} = {at!r} is outside its range")
         for crossing in scan.crossings:
             if len(crossing.values) != 2 or crossing.points[0] == crossing.points[1]:
                 raise ValueError("a crossing that joins no two points")
