@@ -1,5 +1,6 @@
 """Answers are counted as what they are: right, undecided, wrong."""
 
+import numpy as np
 import pytest
 
 from gainsay.bench import outcomes
@@ -39,3 +40,11 @@ def test_a_wrong_known_outcome_is_counted_for_all(monkeypatch):
 def test_the_truss_has_its_closed_form():
     # s - 6 sqrt(s) is least at s = 9
     assert outcomes._ours(outcomes._truss().program) == pytest.approx(-9, rel=1e-6)
+
+
+@pytest.mark.parametrize("solver", ["CLARABEL", "SCS"])
+def test_a_homogeneous_program_is_handed_over_at_the_scale_of_one(solver):
+    # with eigenvalues of at least 1e-6 the tolerances of solvers (1e-4, 1e-8) decide in place of the program
+    rng = np.random.default_rng(1)
+    for outside in (True, False):
+        assert outcomes._plain(solver)(outcomes._lyapunov(rng, outside)) is not outside

@@ -66,7 +66,10 @@ def _ours(program: Program) -> bool | float | None:
 
 def _plain(solver: str) -> Callable[[Program], bool | float | None]:
     def answer(program: Program) -> bool | float | None:
-        status, value = backends.status_by(as_stated(program), program.constraints, program.margin, solver)
+        # a homogeneous program is as good at any scale, and solvers are at their best at that of one
+        homogeneous = not program.cost.any() and not any(row.constant.any() for row in program.rows)
+        margin = 1.0 if homogeneous else program.margin
+        status, value = backends.status_by(as_stated(program), program.constraints, margin, solver)
         if status in ("optimal", "optimal_inaccurate"):
             return value if program.cost.any() else True
         return False if status in ("infeasible", "infeasible_inaccurate") else None
