@@ -106,7 +106,7 @@ def test_explain_and_the_page_show_replies_and_digits(tmp_path):
     page = next(p for p in EXAMPLE["write_pages"](root, [read_results(case)]) if p.parent.name == "toy2001").read_text()
     assert "Disputed: see the reply." in page and "Disputed, says an author:" in page
     assert "<script>alert(1)" not in page and "&lt;script&gt;alert(1)" in page
-    assert "not held against the published page: <code>L</code>." in page
+    assert "not held against the published page: <math><mi>L</mi></math>." in page
     assert page.count("<dt>Reply</dt>") == page.count("<dt>Digits</dt>") == 1
 
 
