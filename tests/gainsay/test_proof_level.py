@@ -110,7 +110,7 @@ def test_a_level_speaks_of_the_tables_own_requirements():
         assert "entry of the parameter table" in refused(parts=parts)
     torque = {"A": "A", "x0": "col(1, 0)", "inputs": [{"of": "u", "row": "level * row(1, 0)", "bound": "1e6"}]}
     part = {"name": "torque", "kind": "quadratic_bound", "fields": torque}
-    assert "inputs is '1e6'" in refused(parts=(DISK, NORM, part))
+    assert "bound is '1e6'" in refused(parts=(DISK, NORM, part))
 
 
 def test_every_part_depends_on_the_level():
@@ -121,3 +121,36 @@ def test_every_part_depends_on_the_level():
 
 def test_what_stays_on_faith_names_the_smaller_levels():
     assert any("smaller level" in sentence for sentence in check(made(), TABLES).faith)
+
+
+class WithRequirements(MappingTables):
+    """Tables in which the quantity x is a level of some requirements."""
+
+    def __init__(self, *wanted):
+        super().__init__(
+            numbers={"radius": "1.5", "gamma": "2"}, printed={"A": [["0.000", "1.000"], ["-2.000", "-3.000"]]}
+        )
+        self.wanted = frozenset(wanted)
+
+    def requirements(self, quantity):
+        return self.wanted if quantity == "x" else frozenset()
+
+
+def test_a_level_concludes_on_a_quantity_of_its_own_requirements_alone():
+    certificate = made()
+    own = ("radius=radius", "shift=radius", "gamma=gamma")
+    assert check(certificate, WithRequirements(*own)).conclusions
+    for other in (own[:2], (*own, "bound=gamma"), ("radius=gamma", "shift=radius", "gamma=radius"), ()):
+        with pytest.raises(
+            CertificateError, match="what is required is gamma=gamma; radius=radius; shift=radius, and of"
+        ):
+            check(certificate, WithRequirements(*other))
+
+
+def test_a_proof_that_requires_nothing_concludes_on_no_level():
+    fields = {"constraint": "number('gamma') > 0"}
+    quantities = {"definite": "x"}
+    plain = build.certificate("definite", id="a", statement="s", tables=TABLES, fields=fields, quantities=quantities)
+    assert check(plain, WithRequirements()).conclusions
+    with pytest.raises(CertificateError, match="what is required is nothing, and of 'x'"):
+        check(plain, WithRequirements("gamma=gamma"))

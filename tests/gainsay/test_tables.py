@@ -151,6 +151,19 @@ def test_every_fault_is_named(project, file, old, new, row, field, expected):
     assert expected in str(error)
 
 
+@pytest.mark.parametrize("entry", ["mass", "bound=maas", "bound=mass; gamma="])
+def test_what_a_quantity_requires_is_a_parameter(project, entry):
+    table = project.file("quantities.csv")
+    header, first, *rest = table.read_text().splitlines()
+    rows = [f"{header},requires", f"{first},{{}}", *(f"{row}," for row in rest)]
+    table.write_text("\n".join(rows).format("bound=mass") + "\n")
+    assert project.case().quantities
+    table.write_text("\n".join(rows).format(entry) + "\n")
+    error = refused(project)
+    assert (error.row, error.field) == (2, "requires")
+    assert "what=parameter, " in str(error)
+
+
 @pytest.mark.parametrize(
     "name", ["parameters.csv", "quantities.csv", "claims.csv", "errata.csv", "not_checked.csv",
              "paper.toml", "printed/K.csv"]

@@ -227,6 +227,8 @@ def _check(
             )
         if conclusion.quantity and hasattr(reader, "has_quantity") and not reader.has_quantity(conclusion.quantity):
             raise CertificateError(f"{owner}: quantity {conclusion.quantity!r} is not declared in quantities.csv")
+        if conclusion.quantity and hasattr(reader, "requirements"):
+            _same_requirements(certificate, conclusion.quantity, reader.requirements(conclusion.quantity))
     kind = kinds.load(certificate.kind)
     faith = tuple(dict.fromkeys((*ON_FAITH, *getattr(kind, "FAITH", ()), *certificate.faith)))
     return Proof(
@@ -240,6 +242,17 @@ def _check(
         formulas=tuple(_formulas(certificate)),
         faith=faith,
     )
+
+
+def _same_requirements(certificate: Certificate, quantity: str, wanted: frozenset[str]) -> None:
+    """Refuse a certificate that meets other requirements than those a quantity is a level of."""
+    of_kind = getattr(kinds.load(certificate.kind), "requirements", None)
+    met = frozenset() if of_kind is None else of_kind(certificate)
+    if met != wanted:
+        of_proof, of_table = ("; ".join(sorted(names)) or "nothing" for names in (met, wanted))
+        raise CertificateError(
+            f"{certificate.id}: what is required is {of_proof}, and of {quantity!r} in quantities.csv {of_table}"
+        )
 
 
 def _formulas(certificate: Certificate) -> Iterator[tuple[str, str]]:

@@ -124,6 +124,10 @@ class CaseTables:
         """Whether the quantity is declared."""
         return name in self.case.quantities
 
+    def requirements(self, quantity: str) -> frozenset[str]:
+        """What is required where a quantity is a level of uncertainty, each as in ``gamma=gamma_max``."""
+        return frozenset(filter(None, map(str.strip, self.case.quantities[quantity].requires.split(";"))))
+
 
 def adapted(tables: Any) -> Tables:
     """Tables as formulas read them, of a case or of what is such tables already."""

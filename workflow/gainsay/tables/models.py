@@ -108,6 +108,11 @@ class Quantity(Row):
     unit: Unit = Field(description="SI unit of the value")
     step: Step = Field(description="the step that computes it")
     meaning: Filled = Field(description="what is computed, one sentence")
+    requires: Text = Field(
+        default="",
+        description="of a level of uncertainty that a certificate of kind `level` proves: which parameter is each "
+        "requirement met at it, `radius=disk_radius; gamma=gamma`; a certificate with others, more or fewer is refused",
+    )
 
 
 class Claim(Row):

@@ -7,25 +7,28 @@ among those covered, so that no lower level has to be proved.)
 
 What is required is the paper's: the radius and shift of a disk, the level of a norm, the bound on an input or a cost of
 a part must each be an entry of the parameter table, as ``number('gamma')`` or a definition that is one. A level at
-which weaker requirements hold would be no level of the paper's. Every part must depend on the level.
+which weaker requirements hold would be no level of the paper's. Every part must depend on the level. A quantity that is
+concluded names them too, in its column ``requires``; with others, more or fewer, the certificate is refused.
 
 Fields: ``level``, the name of a definition that is a rational number; ``parts``, a list of {"name", "kind", "fields"},
 the fields as that kind demands. Witness: for each part what its kind demands, named ``part.name``, as in ``disk.P``.
 Proved: ``level`` at_least its value, and all that the parts prove, named ``part.of``, as in ``disk.radius``.
 """
 
+from collections.abc import Iterator, Mapping
 from types import ModuleType
 
 from gainsay.errors import CertificateError
 from gainsay.exact.rational import to_text
 from gainsay.proof import formulas, kinds
+from gainsay.proof.certificate import Certificate
 from gainsay.proof.kinds import Proved
 from gainsay.proof.scope import Scope
 
 THEOREM = "every requirement proved at the level by a kind of its own"
 FAITH = (
     "That the uncertainty at every smaller level is among that at the level.",
-    "That the parameters named as radius, shift, level or bound of its parts are the paper's own requirements.",
+    "That the parameters which quantities.csv names as what a quantity requires are the paper's own requirements.",
 )
 REQUIRED = ("level", "parts")
 OPTIONAL = ()
@@ -87,19 +90,32 @@ def _names(value: object) -> set[str]:
     return set().union(*map(_names, inner))
 
 
-def _requirement(scope: Scope, part: str, module: ModuleType, fields: dict) -> None:
-    """Refuse a part that asks for something else than the tables say, or that does not depend on the level."""
-    definitions = dict(scope.certificate.definitions)
+def _levels(definitions: Mapping[str, str], module: ModuleType, fields: dict) -> Iterator[tuple[str, str, str | None]]:
+    """Yield what a part requires, its formula and its parameter; the half plane of zero is no requirement."""
     for name in (*module.LEVELS, "shift"):
         head, _, tail = name.partition(".")
         given = fields.get(head, [])
         for text in [entry[tail] for entry in given] if tail else [given] if given else []:
-            half_plane = name == "alpha" and text == "0"
-            if not half_plane and formulas.parameter_of(text, definitions) is None:
-                raise scope.fail(
-                    f"part {part!r}: {head} is {text!r}, expected an entry of the parameter table, number('...'): "
-                    "a level means something for the paper's own requirements alone"
-                )
+            if (name, text) != ("alpha", "0"):
+                yield tail or head, text, formulas.parameter_of(text, definitions)
+
+
+def requirements(certificate: Certificate) -> frozenset[str]:
+    """What the parts of a certificate require, each as ``gamma=`` and the name of a parameter."""
+    definitions = dict(certificate.definitions)
+    every = (_levels(definitions, kinds.load(part["kind"]), part["fields"]) for part in certificate.fields["parts"])
+    return frozenset(f"{what}={parameter}" for part in every for what, _, parameter in part)
+
+
+def _requirement(scope: Scope, part: str, module: ModuleType, fields: dict) -> None:
+    """Refuse a part that asks for something else than the tables say, or that does not depend on the level."""
+    definitions = dict(scope.certificate.definitions)
+    for what, text, parameter in _levels(definitions, module, fields):
+        if parameter is None:
+            raise scope.fail(
+                f"part {part!r}: {what} is {text!r}, expected an entry of the parameter table, number('...'): "
+                "a level means something for the paper's own requirements alone"
+            )
     used, new = set(), _names(fields)
     while new:
         used |= new
