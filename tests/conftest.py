@@ -1,6 +1,8 @@
 """A small project on disk that tests of tables, verdicts and steps share."""
 
 import os
+import sys
+from collections.abc import Generator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +16,19 @@ settings.register_profile("here", deadline=None)
 # Continuous integration draws the same examples every time: it judges a change; new examples are searched by hand.
 settings.register_profile("ci", settings.get_profile("here"), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "here")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol() -> Generator[None, object, object]:
+    """Let `papers` mean after a test what it meant before: a command of another project, run here, takes the name."""
+    path, before = [*sys.path], {name: module for name, module in sys.modules.items() if name.split(".")[0] == "papers"}
+    done = yield
+    if sys.modules.get("papers") is not before.get("papers"):
+        for name in [name for name in sys.modules if name.split(".")[0] == "papers"]:
+            del sys.modules[name]
+        sys.modules.update(before)
+        sys.path[:] = path
+    return done
 
 
 TOY = {
