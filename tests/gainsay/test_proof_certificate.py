@@ -343,9 +343,8 @@ def test_designs_are_read_from_the_tables_exactly(tmp_path):
     def case(second):
         found = FoundDesign("one", "picked", {"K": np.array([[0.1, second]])}, True, {})
         designs = {"repaired": read_design(write_design(tmp_path, "repaired", found))}
-        return SimpleNamespace(
-            designs=designs, root=tmp_path, name="spring", quantities={"gain": SimpleNamespace(requires="")}
-        )
+        quantities = {"gain": SimpleNamespace(requirements=frozenset())}
+        return SimpleNamespace(designs=designs, root=tmp_path, name="spring", quantities=quantities)
 
     certificate = build.certificate(
         "enclosed",

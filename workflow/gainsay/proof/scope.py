@@ -126,7 +126,7 @@ class CaseTables:
 
     def requirements(self, quantity: str) -> frozenset[str]:
         """What is required where a quantity is a level of uncertainty, each as in ``gamma=gamma_max``."""
-        return frozenset(filter(None, map(str.strip, self.case.quantities[quantity].requires.split(";"))))
+        return self.case.quantities[quantity].requirements
 
 
 def adapted(tables: Any) -> Tables:

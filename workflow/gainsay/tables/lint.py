@@ -255,7 +255,7 @@ def lint(case: Case) -> None:
                 value=declared.unit,
                 expected=f"{to_si(declared.unit)[0]}, since what is computed is in SI",
             )
-        for entry in filter(None, map(str.strip, declared.requires.split(";"))):
+        for entry in sorted(declared.requirements):
             name = entry.partition("=")[2]
             faults = [("requires", entry, f"what=parameter, {one_of(name, case.parameters)}")]
             _refuse_first(faults if name not in case.parameters else [], f"papers/{case.name}/quantities.csv", row)

@@ -114,6 +114,11 @@ class Quantity(Row):
         "requirement met at it, `radius=disk_radius; gamma=gamma`; a certificate with others, more or fewer is refused",
     )
 
+    @property
+    def requirements(self) -> frozenset[str]:
+        """Entries of `requires`."""
+        return frozenset(filter(None, map(str.strip, self.requires.split(";"))))
+
 
 class Claim(Row):
     """A statement of the paper that can be held against a computation, or a remark that cannot."""
