@@ -23,11 +23,11 @@ def pytest_runtest_protocol() -> Generator[None, object, object]:
     """Let `papers` mean after a test what it meant before: a command of another project, run here, takes the name."""
     path, before = [*sys.path], {name: module for name, module in sys.modules.items() if name.split(".")[0] == "papers"}
     done = yield
+    sys.path[:] = path
     if sys.modules.get("papers") is not before.get("papers"):
         for name in [name for name in sys.modules if name.split(".")[0] == "papers"]:
             del sys.modules[name]
         sys.modules.update(before)
-        sys.path[:] = path
     return done
 
 

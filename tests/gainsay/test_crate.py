@@ -53,15 +53,13 @@ def project(tmp_path_factory):
     """The worked example, computed."""
     root = tmp_path_factory.mktemp("project") / "own"
     assert cli.main(["new", "--project", str(root), "toy2001"]) == 0
-    before = [*sys.path]
     case = read_case(root, "toy2001")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(views, "write_views", _views)
         for step in (synthesis, audit, simulation, figures, views.views, verdicts, compare, page):
             step(case)
     write_report(root, [results_of(case)])
-    yield root
-    sys.path[:] = before
+    return root
 
 
 @pytest.fixture(scope="module")
