@@ -22,27 +22,6 @@ def rows(path):
 PARAMETERS = {row["name"]: row for row in rows(FOLDER / "parameters.csv")}
 
 
-@pytest.mark.parametrize("reading", rows(SECOND / "numbers.csv"), ids=lambda r: r["parameter"])
-def test_second_reading_of_the_numbers(reading):
-    # Expected: the paper's text, transcribed a second time with the words around each number.
-    assert PARAMETERS[reading["parameter"]]["value"] == reading["as_printed"]
-    assert PARAMETERS[reading["parameter"]]["status"] == "printed"
-
-
-def test_every_printed_number_was_read_twice():
-    printed = {name for name, row in PARAMETERS.items() if row["status"] == "printed" and row["type"] == "number"}
-    assert printed == {row["parameter"] for row in rows(SECOND / "numbers.csv")}
-
-
-@pytest.mark.parametrize("reading", rows(SECOND / "vectors.csv"), ids=lambda r: r["where"])
-def test_second_reading_of_the_vectors(reading):
-    text = (FOLDER / PARAMETERS[reading["matrix"]]["value"].split()[0]).read_text(encoding="utf-8")
-    table = [line.split(",") for line in text.split()]
-    row = [line[0] for line in table] if reading["row"] == "0" else table[int(reading["row"]) - 1]
-    wanted = [token.replace(",", ".").replace("+", "") for token in reading["as_printed"].split()]
-    assert row == wanted
-
-
 def test_plant_is_the_printed_one_but_for_the_sign_of_the_torques():
     # Expected: (18) transcribed entry by entry; d and u enter with the sign of (12), erratum eq18-torque-sign.
     satellite = Satellite((7.0, 6.0, 5.0), 1e-3, 0.1, (0.2, 0.3, 0.7))

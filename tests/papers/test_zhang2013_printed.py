@@ -1,4 +1,4 @@
-"""What the tables and formulas of zhang2013 print, against a second reading of the paper made apart from them."""
+"""What the formulas of zhang2013 print, against a second reading of the paper made apart from them."""
 
 import csv
 import re
@@ -28,16 +28,6 @@ def case() -> Case:
 def second_reading(name: str) -> list[list[str]]:
     with (SECOND / f"{name}.csv").open(newline="") as file:
         return list(csv.reader(file))
-
-
-@pytest.mark.parametrize("name", ["K", "L", "F", "C1"])
-def test_two_readings_of_a_printed_matrix_agree_digit_for_digit(case, name):
-    assert [[entry.text for entry in row] for row in case.printed(name).rows] == second_reading(name)
-
-
-def test_two_readings_of_the_numbers_agree_digit_for_digit(case):
-    for name, text in second_reading("example"):
-        assert case.parameters[name].value == text, name
 
 
 def test_every_numbered_item_of_the_paper_stands_in_a_table(case):
