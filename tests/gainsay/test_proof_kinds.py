@@ -212,6 +212,16 @@ def test_quadratic_bound_of_several_starts_is_that_of_the_worst_in_whichever_col
     refused("quadratic_bound", {**fields, "cost": "2.4"}, witness)
 
 
+@pytest.mark.parametrize("names", [("cost",), ("stable",), ("u", "u")])
+def test_a_bounded_input_has_a_name_of_its_own(names):
+    """What is proved of one input must not read as proved of another, or as the cost: x' = -x from 1."""
+    inputs = [{"of": name, "row": f"{10**-k}", "bound": f"{10**-k}"} for k, name in enumerate(names)]
+    fields = {"A": "-1", "Q": "1", "x0": "1", "cost": "0.5", "inputs": inputs}
+    assert "is taken" in refused("quadratic_bound", fields, {"P": "0.5"})
+    accepted = [{**entry, "of": f"u{k}"} for k, entry in enumerate(inputs)]
+    make("quadratic_bound", {**fields, "inputs": accepted}, {"P": "0.5"})
+
+
 def test_robust_disk_and_norm():
     p = linalg.solve_discrete_lyapunov(((A + 1.7 * I) / 1.2).T, I)
     lft = {"H": "col(0, 0.1)", "Cz": "row(1, 0)", "blocks": [["full", 1, 1]]}
@@ -280,6 +290,12 @@ def test_feasible_point_with_exact_equations():
     fields["constraints"].append(["contradiction", "trace(P) == 2"])
     with pytest.raises(CertificateError, match="without a solution"):
         build.feasible_point(fields=fields, point=point, **common)
+
+
+def test_a_feasible_point_bounds_one_objective():
+    """Of two, a bound from below of the one would read as a bound of the other: x = 1, and 100 x is at least 100."""
+    fields = {"constraints": [["a", "x > 0"]], "minimise": "x", "maximise": "100 * x"}
+    assert "one of the fields" in refused("feasible", fields, {"x": "1"}, unknowns={"x": {}})
 
 
 def test_farkas_against_an_unstable_matrix():

@@ -84,9 +84,9 @@ def test_parts_that_are_not_what_they_should_be_are_refused():
     assert "not a definition" in refused(field="lvl")
     assert "different name" in refused(parts=(DISK, {**NORM, "name": "disk"}))
     assert "expected one of" in refused(parts=(DISK, {**NORM, "kind": "nothing"}))
-    assert "may not be of kind" in refused(parts=({**DISK, "kind": "level"}, NORM))
+    assert "proves no requirement met" in refused(parts=({**DISK, "kind": "level"}, NORM))
     trivial = {"name": "disk", "kind": "definite", "fields": {"constraint": "level > 0"}}
-    assert "no level to meet" in refused(parts=(trivial, NORM))
+    assert "proves no requirement met" in refused(parts=(trivial, NORM))
     assert "belongs to no part" in refused(parts=(DISK,))
     assert "missing" in refused(witness={k: v for k, v in WITNESS.items() if k != "norm.P"})
     assert "unknown field" in refused(parts=(DISK, {**NORM, "fields": {**NORM["fields"], "extra": "1"}}))
@@ -154,3 +154,36 @@ def test_a_proof_that_requires_nothing_concludes_on_no_level():
     assert check(plain, WithRequirements()).conclusions
     with pytest.raises(CertificateError, match="what is required is nothing, and of 'x'"):
         check(plain, WithRequirements("gamma=gamma"))
+
+
+def test_a_part_that_proves_a_requirement_missed_is_no_part():
+    """A gain above gamma, an eigenvalue outside the disk: their levels are named as the requirements are."""
+    gain = {"A": "A", "B": "col(0, 100 * level)", "C": "row(1, 0)", "frequency": "0", "gamma": "number('gamma')"}
+    outside = {"matrix": "level * A", "shift": "number('radius')", "radius": "number('radius')"}
+    for part, witness in (
+        ({"name": "norm", "kind": "norm_at_least", "fields": gain}, {"norm.u": [["1", "0"]]}),
+        (
+            {"name": "disk", "kind": "unstable", "fields": outside},
+            {"disk.P": [["-1", "0"], ["0", "-1"]], "disk.z": [["1"], ["0"]]},
+        ),
+    ):
+        assert "proves no requirement met" in refused(parts=(part,), level="1000", witness=witness)
+
+
+def test_what_is_no_formula_makes_no_part_depend_on_the_level():
+    """A label, or the sort of a block, that reads like the level's name."""
+    inputs = [{"of": "level", "row": "row(1, 0)", "bound": "number('gamma')"}]
+    torque = {"name": "torque", "kind": "quadratic_bound", "fields": {"A": "A", "x0": "col(0.1, 0)", "inputs": inputs}}
+    assert "does not depend on the level" in refused(parts=(torque,), level="1000", witness={"torque.P": np.eye(2)})
+    fixed = {**DISK["fields"], "H": "col(0, 0.5)"}
+    with pytest.raises(CertificateError, match="does not depend on the level"):
+        build.certificate(
+            "level",
+            id="a",
+            statement="s",
+            tables=TABLES,
+            definitions={"repeated": "1000", "A": "printed('A')", "b": "number('radius')"},
+            fields={"level": "repeated", "parts": [{**DISK, "fields": fixed}]},
+            witness={k: v for k, v in WITNESS.items() if k.startswith("disk")},
+            quantities={"level": "x"},
+        )

@@ -1,8 +1,8 @@
 """Constraints are feasible: a point that satisfies all of them.
 
 Theorem: a point that satisfies the constraints is feasible, and the value of an objective there bounds its infimum
-(``minimise``) from above, its supremum (``maximise``) from below. With ``boxes`` (unknown -> printed matrix) the
-point lies within half a unit of the last printed digit of every entry.
+(``minimise``) from above, its supremum (``maximise``) from below; not both, since each is a bound of ``objective``.
+With ``boxes`` (unknown -> printed matrix) the point lies within half a unit of the last printed digit of every entry.
 """
 
 from gainsay.exact.rational import to_text
@@ -45,6 +45,8 @@ def objective(scope: Scope) -> list[Proved]:
 
 def prove(scope: Scope) -> list[Proved]:
     """Prove every constraint at the witness."""
+    if {"minimise", "maximise"} <= set(scope.certificate.fields):
+        raise scope.fail("expected one of the fields 'minimise' and 'maximise'")
     scope.bind_witness()
     scope.define()
     inside_boxes(scope)

@@ -7,8 +7,10 @@ among those covered, so that no lower level has to be proved.)
 
 What is required is the paper's: the radius and shift of a disk, the level of a norm, the bound on an input or a cost of
 a part must each be an entry of the parameter table, as ``number('gamma')`` or a definition that is one. A level at
-which weaker requirements hold would be no level of the paper's. Every part must depend on the level. A quantity that is
-concluded names them too, in its column ``requires``; with others, more or fewer, the certificate is refused.
+which weaker requirements hold would be no level of the paper's. A part is of a kind that proves a requirement met: one
+that proves it missed, as a lower bound on a norm does, has a level of the same name. Every part must depend on the
+level. A quantity that is concluded names them too, in its column ``requires``; with others, more or fewer, the
+certificate is refused.
 
 Fields: ``level``, the name of a definition that is a rational number; ``parts``, a list of {"name", "kind", "fields"},
 the fields as that kind demands. Witness: for each part what its kind demands, named ``part.name``, as in ``disk.P``.
@@ -34,6 +36,11 @@ REQUIRED = ("level", "parts")
 OPTIONAL = ()
 LEVELS = ()
 FOUND = ()
+
+#: kinds that prove a requirement met
+_MET_BY = ("bounded_real", "contour", "lyapunov", "quadratic_bound", "robust_disk", "robust_norm", "stein")
+#: entries of fields that are no formulas, whatever they look like
+_NO_FORMULAS = ("blocks", "of")
 
 
 def _parts(scope: Scope) -> list[tuple[str, str, dict]]:
@@ -61,8 +68,8 @@ def _parts(scope: Scope) -> list[tuple[str, str, dict]]:
 def _part(scope: Scope, name: str, kind: str, fields: dict) -> list[Proved]:
     """Apply the kind of a part to its fields and its share of the witness."""
     module = kinds.load(kind)
-    if module.prove is prove or not module.LEVELS:
-        raise scope.fail(f"part {name!r}: a part may not be of kind {kind!r}, which has no level to meet")
+    if kind not in _MET_BY:
+        raise scope.fail(f"part {name!r}: a part of kind {kind!r} proves no requirement met: {', '.join(_MET_BY)} do")
     for field in module.REQUIRED:
         if field not in fields:
             raise scope.fail(f"part {name!r}: field {field!r} is missing")
@@ -86,8 +93,9 @@ def _names(value: object) -> set[str]:
             return set(formulas.names_in(value))
         except CertificateError:  # a label
             return set()
-    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    return set().union(*map(_names, inner))
+    if isinstance(value, dict):
+        return set().union(*(_names(part) for key, part in value.items() if key not in _NO_FORMULAS))
+    return set().union(*map(_names, value)) if isinstance(value, list) else set()
 
 
 def _levels(definitions: Mapping[str, str], module: ModuleType, fields: dict) -> Iterator[tuple[str, str, str | None]]:

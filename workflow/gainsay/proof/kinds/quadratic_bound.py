@@ -47,6 +47,22 @@ def derivative(scope: Scope, a: Matrix, p: Matrix, q: Matrix) -> tuple[Matrix, b
     return whole + lft.form(z, w), lft.feedthrough
 
 
+def inputs(scope: Scope) -> list[dict[str, str]]:
+    """The bounded inputs, each under a name that nothing else here is proved of."""
+    listed = scope.certificate.fields.get("inputs", [])
+    if not isinstance(listed, list) or not all(
+        isinstance(x, dict) and set(x) == {"of", "row", "bound"} and all(isinstance(t, str) for t in x.values())
+        for x in listed
+    ):
+        raise scope.fail("field 'inputs': expected of, row and bound for each")
+    taken = {"cost", "stable"}
+    for entry in listed:
+        if entry["of"] in taken:
+            raise scope.fail(f"field 'inputs': the name {entry['of']!r} is taken")
+        taken.add(entry["of"])
+    return listed
+
+
 def prove(scope: Scope) -> list[Proved]:
     """Prove stability, the cost and the input bounds."""
     scope.fields_fit(("H", "Cz", "blocks", ("Dw",)), ("x0", ("cost", "inputs")))
@@ -76,11 +92,7 @@ def prove(scope: Scope) -> list[Proved]:
         if start > cost:
             raise scope.fail(f"x(0)' P x(0) <= {to_text(cost)} is not proved")
         result.append(Proved("cost", "at_most", to_text(cost)))
-    if not isinstance(fields.get("inputs", []), list):
-        raise scope.fail("field 'inputs': expected a list")
-    for entry in fields.get("inputs", []):
-        if not isinstance(entry, dict) or set(entry) != {"of", "row", "bound"}:
-            raise scope.fail("field 'inputs': expected of, row and bound for each")
+    for entry in inputs(scope):
         if not dissipates:
             raise scope.fail("input bounds need Q >= 0")
         k, bound = scope.evaluate(entry["row"]), scope.number(entry["bound"])
