@@ -29,7 +29,7 @@ KINDS = {
     "feasibility": ("an LMI has a solution", "`statements.prove(results, quantity, stated, stated.solve(), ...)`"),
     "stability": (
         "every trajectory decays",
-        "`loop_proofs.abscissa`, `poles_left_of`, `pole_right_of`; kind `'contour'` (delays)",
+        "`loop_proofs.abscissa`, `poles_left_of`, `pole_right_of`; kinds `'contour'` (uncertain), `'delays'`",
     ),
     "pole-region": (
         "all poles lie in a region",
@@ -41,7 +41,7 @@ KINDS = {
     ),
     "cost-bound": ("a quadratic cost is bounded", "`'quadratic_bound'`, or `statements.enclose`"),
     "input-bound": ("the input stays below a bound over a set", "`'quadratic_bound'`, `'linear_box'`"),
-    "delay-margin": ("stable for all delays up to one", "`'contour'`, `'feasible'` of a delay condition"),
+    "delay-margin": ("stable for all delays up to one", "`'delays'` with a `scale`, `'feasible'` of a delay condition"),
     "trajectory": (
         "a peak, time or final value of one run",
         "`linear_run` or `RunSpec.measure`, with a band; or `results.scan`",
@@ -90,6 +90,7 @@ LIBRARY = {
     "Systems with delays": ("gainsay.systems.delay", ("DelaySystem",)),
     "Roots and norms under delays": ("gainsay.systems.delay_spectrum", (
         "rightmost_roots", "spectral_abscissa", "unstable_root_count", "hinf_norm", "gain_stays_below")),
+    "Delay margin of several delays": ("gainsay.systems.scaled_margin", ("scaled_delay_margin",)),
     "Matrix inequalities for delays": ("gainsay.systems.delay_bounds", ("bessel_legendre", "proved_delay")),
     "Margins": ("gainsay.systems.margins", ("disk_margin", "structured_bounds")),
     "Structured singular values over frequency": ("gainsay.systems.structured", ("structured_peak",)),

@@ -1,7 +1,8 @@
 """Linear systems with constant delays: characteristic quasi-polynomial and exact delay margins.
 
 Every delayed signal may have a delay of its own in what is computed of roots and norms; the quasi-polynomial and the
-margin are those of one delay common to all. Retarded equations alone: nothing that is delayed is a derivative.
+margin are those of one delay common to all (`gainsay.systems.scaled_margin` has that of several that grow together).
+Retarded equations alone: nothing that is delayed is a derivative.
 
 The coefficients of the quasi-polynomial are formed in rational arithmetic, its imaginary-axis crossings are isolated as
 roots of an integer polynomial, and the delays at which they happen are enclosed in balls. So a margin comes with bounds
