@@ -9,191 +9,29 @@ Reference: J. M. Borwein, H. Wolkowicz, "Regularizing the abstract convex progra
 
 from collections.abc import Sequence
 from dataclasses import replace
-from fractions import Fraction
+from math import lcm
 
 import numpy as np
-from flint import fmpq, fmpq_mat
+from flint import fmpq_mat
 
-from gainsay.exact.definite import positive_definite
-from gainsay.exact.linear import Unsolvable, complete
 from gainsay.exact.rational import fraction_of, to_fmpq
 from gainsay.lmi import scaling
 from gainsay.lmi.affine import Affine, Definite, Entrywise, Equal
 from gainsay.lmi.duality import unscaled
+from gainsay.lmi.exposing import Face
 from gainsay.lmi.outcomes import Farkas
 from gainsay.lmi.points import is_strict
 from gainsay.lmi.program import Program, Row
 
-# what is tried in rationals: unknown entries of multipliers, and coordinates
-_MOST_ENTRIES = 400
-_DENOMINATOR = 24
-_SNAP = 1e-4
 
-
-class Face:
-    """Exact multipliers ``Z_j = U_j M_j U_j'`` with rational U_j and M_j > 0 (entries z_i > 0 for a list).
-
-    Attributes
-    ----------
-    frames : list
-        Per constraint: fmpq_mat U_j, a list of indices, or None for an equality or a constraint without weight.
-    cores : list
-        Per constraint: fmpq_mat M_j, or a list of rationals (of all entries, for an equality).
-    value : fmpq
-        Sum of <constant part, Z_j>.
-    """
-
-    def __init__(self, frames: list, cores: list, value: fmpq) -> None:
-        self.frames, self.cores, self.value = frames, cores, value
-
-
-def exact_face(
-    scaled: scaling.Scaled, constraints: Sequence, multipliers: Sequence[np.ndarray], target: int | None
-) -> Face | None:
-    """Snap the ranges of multipliers to short rationals and solve their equations exactly.
-
-    Parameters
-    ----------
-    scaled : Scaled
-    constraints : sequence of constraints
-    multipliers : sequence of ndarray
-        Near the wanted ones.
-    target : int or None
-        Value that the sum of <constant part, Z_j> is to have (0), or None for any.
-    """
-    top = max(
-        (
-            float(np.abs(m).max(initial=0.0))
-            for c, m in zip(constraints, multipliers, strict=True)
-            if not isinstance(c, Equal)
-        ),
-        default=0.0,
-    )
-    if not top > 0 or len(scaled.cost) > _MOST_ENTRIES:
-        return None
-    for cut in (1e-3, 1e-5):
-        found = _on_cut(scaled, constraints, [m / top for m in multipliers], cut, target)
-        if found is not None:
-            return found
-    return None
-
-
-def _on_cut(scaled: scaling.Scaled, constraints: Sequence, z: list, cut: float, target: int | None) -> Face | None:
-    frames: list = []
-    values: list[fmpq] = []
-    scales: list[float] = []
-    equations: list[dict[int, fmpq]] = [{} for _ in range(len(scaled.cost) + 1)]
-    shapes: list[int] = []
-    for constraint, tensor, constant, m in zip(constraints, scaled.tensors, scaled.constants, z, strict=True):
-        start = len(values)
-        if isinstance(constraint, Definite):
-            frame = _frame((m + m.T) / 2, cut)
-            frames.append(frame)
-            if frame is None:
-                shapes.append(0)
-                continue
-            floats = np.array([[int(v.p) / int(v.q) for v in row] for row in frame.tolist()])
-            back = np.linalg.pinv(floats)
-            core = back @ m @ back.T
-            r = core.shape[0]
-            shapes.append(r)
-            if start + r * (r + 1) // 2 > _MOST_ENTRIES:
-                return None
-            parts = [_congruent(frame, tensor[:, :, k]) for k in range(len(scaled.cost))]
-            parts.append(_congruent(frame, constant))
-            for a in range(r):
-                for b in range(a + 1):
-                    index = len(values)
-                    values.append(to_fmpq(float(core[a, b])))
-                    scales.append(float(np.sqrt(abs(core[a, a] * core[b, b]))) or 1e-300)
-                    for equation, part in zip(equations, parts, strict=True):
-                        if part is not None and part[a, b] != 0:
-                            equation[index] = part[a, b] * (1 if a == b else 2)
-            continue
-        keep = range(len(m)) if isinstance(constraint, Equal) else [int(i) for i in np.flatnonzero(m > cut)]
-        frames.append(None if isinstance(constraint, Equal) else list(keep))
-        shapes.append(len(keep))
-        for i in keep:
-            index = len(values)
-            values.append(to_fmpq(float(m[i])))
-            scales.append(max(abs(float(m[i])), 1e-6))
-            for k in np.flatnonzero(tensor[i]):
-                equations[k][index] = to_fmpq(float(tensor[i, k]))
-            if constant[i]:
-                equations[-1][index] = to_fmpq(float(constant[i]))
-    if not values or len(values) > _MOST_ENTRIES:
-        return None
-    stated = [(e, fmpq(0)) for e in equations[: -1 if target is None else None] if e]
-    try:
-        solved = complete([(dict(e), r) for e, r in stated], values, scales)
-    except Unsolvable:
-        return None
-    total = sum((solved[i] * c for i, c in equations[-1].items()), fmpq(0))
-    cores: list = []
-    place = 0
-    for constraint, frame, r in zip(constraints, frames, shapes, strict=True):
-        if isinstance(constraint, Definite):
-            if frame is None:
-                cores.append(None)
-                continue
-            core = fmpq_mat(r, r)
-            for a in range(r):
-                for b in range(a + 1):
-                    core[a, b] = core[b, a] = solved[place]
-                    place += 1
-            if not positive_definite(core):
-                return None
-            cores.append(core)
-        else:
-            entries = solved[place : place + r]
-            place += r
-            if isinstance(constraint, Entrywise) and any(v <= 0 for v in entries):
-                return None
-            cores.append(entries)
-    return Face(frames, cores, total)
-
-
-def _frame(z: np.ndarray, cut: float) -> fmpq_mat | None:
-    """Range of a multiplier above a cut, its basis in echelon form snapped to short rationals; None for no range."""
-    values, vectors = np.linalg.eigh(z)
-    basis = vectors[:, values > cut]
-    if basis.shape[1] == 0:
-        return None
-    if basis.shape[1] == len(z):
-        return fmpq_mat([[int(i == j) for j in range(len(z))] for i in range(len(z))])
-    rows = basis.T.copy()
-    pivots: list[int] = []
-    for r in range(len(rows)):
-        left = np.abs(rows[r:]).max(axis=0)
-        left[pivots] = 0
-        pivot = int(np.argmax(left > 0.5 * left.max()))
-        lead = r + int(np.argmax(np.abs(rows[r:, pivot])))
-        rows[[r, lead]] = rows[[lead, r]]
-        rows[r] /= rows[r, pivot]
-        for other in range(len(rows)):
-            if other != r:
-                rows[other] -= rows[other, pivot] * rows[r]
-        pivots.append(pivot)
-    return fmpq_mat([[to_fmpq(_snapped(v)) for v in row] for row in rows.T])
-
-
-def _snapped(value: float) -> Fraction:
-    near = Fraction(float(value)).limit_denominator(_DENOMINATOR)
-    return near if abs(float(near) - value) < _SNAP * max(1.0, abs(value)) else Fraction(float(value))
-
-
-def _congruent(frame: fmpq_mat, block: np.ndarray) -> fmpq_mat | None:
-    if not block.any():
-        return None
-    exact = fmpq_mat([[to_fmpq(float(v)) for v in row] for row in block])
-    return frame.transpose() * exact * frame
-
-
-def refuted(program: Program, scale: scaling.Scaling, face: Face) -> Farkas | None:
-    """Refutation from exact multipliers, where they exclude the program as stated."""
+def refutes(program: Program, face: Face) -> bool:
+    """Whether exact multipliers exclude the program as stated."""
     weight = any(is_strict(c) and f is not None for c, f in zip(program.constraints, face.frames, strict=True))
-    if not (face.value < 0 or (face.value == 0 and weight)):
-        return None
+    return bool(face.value < 0 or (face.value == 0 and weight))
+
+
+def told(program: Program, scale: scaling.Scaling, face: Face) -> Farkas:
+    """Exact multipliers in floats, by label of the constraints."""
     z = []
     for constraint, row, frame, core in zip(program.constraints, program.rows, face.frames, face.cores, strict=True):
         if isinstance(constraint, Definite):
@@ -252,10 +90,11 @@ def _smaller(program: Program, row: Row, d: np.ndarray, frame: fmpq_mat) -> list
     pivots, echelon = _pivots(fmpq_mat(whole))
     rest = [i for i in range(size) if i not in pivots]
     outer = np.zeros((size, rank))
-    for i in range(size):
-        for a in range(rank):
-            outer[i, a] = float(fraction_of(echelon[i, a]))
-            if to_fmpq(outer[i, a]) != echelon[i, a]:
+    for a in range(rank):
+        unit = lcm(*(int(echelon[i, a].q) for i in range(size)))
+        for i in range(size):
+            outer[i, a] = float(fraction_of(echelon[i, a] * unit))
+            if to_fmpq(outer[i, a]) != echelon[i, a] * unit:
                 return None
     inner = np.zeros((size, len(rest)))
     inner[rest, range(len(rest))] = 1.0  # unit vectors complete the range

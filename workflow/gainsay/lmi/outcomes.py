@@ -88,10 +88,21 @@ class Infeasible(_NotFound):
 
     All coefficients are taken as exact numbers, but for inequalities of Lyapunov, of Stein and of a region, in any P,
     of one matrix, whose rounded sums are taken as what they round (the reason says so).
+
+    Attributes
+    ----------
+    farkas : Farkas
+        What excludes the program, or its part on the last of `faces`.
+    attempts : tuple of dict
+    faces : tuple of Farkas
+        Exact multipliers of value zero that confine the points to a face, each of the program on the face before: a
+        program that is weakly infeasible needs some (points come as near as one likes), since no multipliers of its own
+        exclude it. Empty where they do.
     """
 
     farkas: Farkas
     attempts: tuple[dict, ...]
+    faces: tuple[Farkas, ...] = ()
 
 
 @dataclass(frozen=True)

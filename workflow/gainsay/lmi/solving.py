@@ -8,6 +8,7 @@ from gainsay.errors import InputError
 from gainsay.lmi import backends, duality, facial, instability, points, scaling
 from gainsay.lmi.affine import Equal, Values
 from gainsay.lmi.constant import without_solver
+from gainsay.lmi.exposing import exact_faces
 from gainsay.lmi.homogeneous import homogeneous_part
 from gainsay.lmi.kernels import on_kernels
 from gainsay.lmi.nearby import closer
@@ -200,22 +201,21 @@ def _on_face(
         return None
     exact, scaled = coordinates
     multipliers = scale.multipliers_in(exact, found.multipliers)
-    for target in (0, None) if abs(found.value) < 1e-5 else (None,):
-        face = facial.exact_face(scaled, program.constraints, multipliers, target)
-        if face is None:
-            continue
-        proof = facial.refuted(program, exact, face)
-        if proof is not None:
-            return Infeasible(proof, tuple(attempts)), program
-        smaller = facial.reduced(program, exact, face)
-        if smaller is None:
-            continue
-        outcome, last = decide(smaller, None, rounds, faces - 1)
-        tried = (*attempts, *outcome.attempts)
-        if isinstance(outcome, Infeasible | Undecided):
-            reason = "weakly infeasible" if isinstance(outcome, Infeasible) else outcome.reason
-            return Undecided(program.label, tried, reason), program
-        return filled(program, replace(outcome, attempts=tried)), last
+    for target in (0, None):
+        for face in exact_faces(scaled, program.constraints, multipliers, target):
+            confining = facial.told(program, exact, face)
+            if facial.refutes(program, face):
+                return Infeasible(confining, tuple(attempts)), program
+            smaller = facial.reduced(program, exact, face)
+            if smaller is None:
+                continue
+            outcome, last = decide(smaller, None, rounds, faces - 1)
+            tried = (*attempts, *outcome.attempts)
+            if isinstance(outcome, Undecided):
+                return Undecided(program.label, tried, outcome.reason), program
+            if isinstance(outcome, Infeasible):
+                return replace(outcome, attempts=tried, faces=(confining, *outcome.faces)), program
+            return filled(program, replace(outcome, attempts=tried)), last
     return None
 
 
