@@ -1,5 +1,6 @@
 """The contour kind against closed forms; fields that a proof would pass over."""
 
+from fractions import Fraction
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from flint import acb_mat, arb, fmpq
 from scipy import linalg
 
+from gainsay.exact.ball import precision
 from gainsay.proof.kinds import contour
 from tests.gainsay.proof_examples import SIMPLE, SYSTEM, A, I, make, proved, refused
 
@@ -100,6 +102,27 @@ def test_the_form_at_both_ends_of_a_piece_exceeds_what_lies_off_the_chord(monkey
     monkeypatch.setattr(contour._Arc, "_from_chord", lambda self, low, high: arb(fmpq(1, 10)))
     for forms, holds in (((0.22, 0.22), True), ((0.22, 0.2), False), ((0.2, 0.22), False)):
         assert arc_with(*forms)._whole(0, 1) == holds
+
+
+def test_fewer_inputs_and_outputs_leave_the_size_of_the_transfer_matrix_as_it_was():
+    # 3 states, 9 inputs and 8 outputs of which one has a feedthrough; the size by numpy's singular values
+    random = np.random.default_rng(4)
+    a, b, c = random.normal(size=(3, 3)) - 4 * np.eye(3), random.normal(size=(3, 9)), random.normal(size=(8, 3))
+    b[1] = b[0]  # of rank two alone
+    d = np.zeros((8, 9))
+    d[5] = random.normal(size=9)
+    scales, sizes = [fmpq(k + 1, 3) for k in range(5)], [(1, 1, True)] * 4 + [(4, 3, False)]
+    of_w = np.sqrt([1 / 3, 2 / 3, 1, 4 / 3, 5 / 3, 5 / 3, 5 / 3, 5 / 3, 4])
+    of_z = np.sqrt([1 / 3, 2 / 3, 1, 4 / 3, 5 / 3, 5 / 3, 5 / 3, 1])
+    with precision(128):
+        plant = contour._Plant(*(acb_mat(m.tolist()) for m in (a, b, c, d)), arb(-1), arb(3), True)
+        arc = contour._Arc(plant, scales, [fmpq(0)] * 5, sizes, (1, 1, fmpq(4)))
+        assert arc.inputs.ncols() == arc.outputs.nrows() == 4
+        for t in (Fraction(0), Fraction(1, 3), Fraction(1)):
+            s = -1 + 3 * np.exp(1j * np.pi * float(t))
+            whole = of_z[:, None] * (c @ np.linalg.solve(s * np.eye(3) - a, b) + d) / of_w
+            narrow = np.array([[complex(x) for x in row] for row in arc._at(t)[0].tolist()])
+            assert np.linalg.norm(narrow, 2) == pytest.approx(np.linalg.norm(whole, 2), rel=1e-12)
 
 
 def test_contour_bounds_a_norm_for_every_parameter():

@@ -250,7 +250,7 @@ def _without_zeros(matrix: fmpq_mat) -> fmpq_mat:
     return fmpq_mat([[rows[i][j] for j in keep] for i in keep])
 
 
-def cholesky_factor(matrix: fmpq_mat) -> arb_mat:
+def cholesky_factor(matrix: fmpq_mat | arb_mat) -> arb_mat:
     """Exact dyadic R near the factor of a positive definite matrix R' R; no more than nearness is promised.
 
     Raises

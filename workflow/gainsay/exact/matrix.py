@@ -71,7 +71,7 @@ class Matrix:
         if self.ring == BALL:
             return 0, count
         if self.ring == RATIONAL:
-            bits, terms = max(x.height_bits() for x in self.data.entries()), count
+            bits, terms = max(map(fmpq.height_bits, self.data.entries())), count
         else:
             entries = [x for row in self.data for x in row]
             terms = sum(len(x) for x in entries)

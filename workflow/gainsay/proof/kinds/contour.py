@@ -33,7 +33,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 
-from flint import acb, acb_mat, arb, fmpq
+from flint import acb, acb_mat, arb, ctx, fmpq
 
 from gainsay.exact.blocks import block, diagonal
 from gainsay.exact.budget import spend
@@ -147,6 +147,23 @@ def _diagonal(values: list[arb]) -> acb_mat:
     return acb_mat([[x if i == j else 0 for j in range(len(values))] for i, x in enumerate(values)])
 
 
+def _root(gram: acb_mat) -> acb_mat:
+    """R near the root of a real positive semidefinite matrix, with R' R no smaller.
+
+    Raises
+    ------
+    ArithmeticError
+        If none is found at the precision in force.
+    """
+    count = gram.nrows()
+    room = sum((gram[i, i].real for i in range(count)), arb(0)).upper() * arb(2) ** (-ctx.prec // 2)
+    lifted = gram + _diagonal([room] * count)
+    root = acb_mat(cholesky_factor(lifted.real))
+    if not norm(adjoint(root) * root - lifted) < room:
+        raise ArithmeticError("no root at this precision")
+    return root
+
+
 class _Arc:
     """The multipliers of one arc, and the form that must be positive on it.
 
@@ -163,9 +180,9 @@ class _Arc:
         self.outputs = _diagonal([x.sqrt() for x in of_z]) * plant.outputs
         self.through = _diagonal([x.sqrt() for x in of_z]) * plant.through * _diagonal([x.rsqrt() for x in of_w])
         self.unit = _diagonal([arb(1)] * plant.a.nrows())
-        self.form_unit = _diagonal([arb(1)] * len(of_w))
         self.skew: acb_mat | None = None
         self.steepness = arb(1)
+        self.inverses: dict[Fraction, tuple[acb_mat, arb]] = {}
         self.known: dict[Fraction, tuple[acb_mat, acb_mat]] = {}
         self.exceeded: dict[Fraction, arb] = {}
         if any(x != 0 for x in g):
@@ -177,6 +194,32 @@ class _Arc:
                 row, column = row + p, column + q
             self.skew = acb_mat(grid)
             self.steepness = arb(max(abs(x / y) for x, y in zip(g, d, strict=True)))
+        else:
+            self._narrow()
+        self.form_unit = _diagonal([arb(1)] * self.inputs.ncols())
+
+    def _narrow(self) -> None:
+        """Take fewer inputs and outputs with which N is nowhere smaller: the form I - N* N asks for its size alone.
+
+        N = X diag(v K^-1, I) Y, where Y has the inputs and the rows of the feedthrough that are not zero; so N is no
+        larger than with R and L' in the places of X and Y, where R' R >= X' X and L' L >= Y Y'.
+        """
+        through = self.through.tolist()
+        rows = [k for k, row in enumerate(through) if any(x != 0 for x in row)]
+        n, size = self.plant.a.nrows(), self.plant.a.nrows() + len(rows)
+        if size >= min(len(through), len(through[0])):
+            return
+        left = [[*row, *(acb(int(i == k)) for k in rows)] for i, row in enumerate(self.outputs.tolist())]
+        right = acb_mat([*self.inputs.tolist(), *(through[k] for k in rows)])
+        try:
+            of_left, of_right = _root(adjoint(acb_mat(left)) * acb_mat(left)), _root(right * adjoint(right))
+        except ArithmeticError:  # too few bits for it
+            return
+        outer, inner = of_left.tolist(), adjoint(of_right).tolist()
+        self.outputs, self.inputs = acb_mat([row[:n] for row in outer]), acb_mat(inner[:n])
+        self.through = acb_mat(size, size)
+        if rows:
+            self.through = acb_mat([row[n:] for row in outer]) * acb_mat(inner[n:])
 
     def settled(self, low: Fraction, high: Fraction, depth: int = 0) -> int | None:
         """Prove the form positive from low to high by pieces, each a dyadic part of the whole.
@@ -234,9 +277,11 @@ class _Arc:
         return (length * length / 8 * curvature).upper()
 
     def _inverse(self, t: Fraction) -> tuple[acb_mat, arb]:
-        """K^-1 and v at a place; ZeroDivisionError where K may be singular."""
-        u, v = self.plant.point(t)
-        return (self.unit * u - self.plant.a * v).inv(), v
+        """K^-1 and v at a place, kept: a piece is cut in the middle; ZeroDivisionError where K may be singular."""
+        if t not in self.inverses:
+            u, v = self.plant.point(t)
+            self.inverses[t] = (self.unit * u - self.plant.a * v).inv(), v
+        return self.inverses[t]
 
     def _at(self, t: Fraction) -> tuple[acb_mat, acb_mat]:
         """N and the form at a place, kept: it is the end of two pieces."""
