@@ -72,7 +72,7 @@ def browser(tmp_path_factory):
 def pages(tmp_path_factory):
     """The example's pages, the index first, and where results exist the project's own index and papers."""
     root = EXAMPLE["build"](tmp_path_factory.mktemp("project"))
-    papers = [read_results(read_case(root, paper), EXAMPLE["RUNS_OF_FIGURES"]) for paper in ("toy2001", "bare2002")]
+    papers = [read_results(read_case(root, paper)) for paper in ("toy2001", "bare2002")]
     found = [write_index(root, papers), *(write_paper(paper) for paper in papers)]
     own = find_root(Path(__file__)) / "results"
     return [*found, *sorted(own.glob("index.html")), *sorted(own.glob("*/index.html"))]

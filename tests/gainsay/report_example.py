@@ -79,8 +79,8 @@ JUDGED = {
 }  # fmt: skip
 SVG = (
     '<?xml version="1.0" encoding="utf-8"?>\n<svg xmlns="http://www.w3.org/2000/svg" height="230.4pt" '
-    'viewBox="0 0 496.8 230.4" width="496.8pt"><path d="M20 200 C 150 -80 300 300 480 40" fill="none" '
-    'stroke="#0072b2" stroke-width="2"/></svg>\n'
+    'viewBox="0 0 496.8 230.4" width="496.8pt"><metadata><dc:source>logs/nominal.mcap</dc:source></metadata>'
+    '<path d="M20 200 C 150 -80 300 300 480 40" fill="none" stroke="#0072b2" stroke-width="2"/></svg>\n'
 )
 
 
@@ -203,8 +203,6 @@ SCAN = {
     "crossings": [{"values": [38.0, 412.5], "points": [["measured", 3.986e14], ["zero", 3.986e14]]}],
     "bears_out": [],
 }  # fmt: skip
-
-RUNS_OF_FIGURES = {"figure_2": ("nominal",), "figure_3": ("nominal", "repaired")}
 
 
 def build(root: Path) -> Path:

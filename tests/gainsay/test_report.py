@@ -64,8 +64,8 @@ class Page(HTMLParser):
         return " ".join(" ".join(self.text).replace("\u00a0", " ").split())
 
 
-def read(root: Path, papers=PAPERS, runs=EXAMPLE["RUNS_OF_FIGURES"]):
-    return [read_results(read_case(root, paper), runs) for paper in papers]
+def read(root: Path, papers=PAPERS):
+    return [read_results(read_case(root, paper)) for paper in papers]
 
 
 @pytest.fixture
@@ -333,8 +333,19 @@ def test_any_part_may_be_missing(root, lost):
         assert f"{lost} is missing" in partial
 
 
-def test_runs_of_figures_that_are_not_known_are_said_so(root):
-    assert "The runs it is drawn from are not known." in Page(render_paper(read(root, runs=None)[0])).said
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("<dc:source>logs/nominal.mcap</dc:source>", "Drawn from the log of nominal."),
+        ("<dc:source>logs/nominal.mcap, logs/repaired.mcap</dc:source>", "Drawn from the logs of nominal , repaired ."),
+        ("<dc:source>quantities.csv</dc:source>", "Drawn from the quantities and the tables."),
+        ("", "The runs it is drawn from are not known."),
+    ],
+)
+def test_a_figure_says_by_itself_what_it_is_drawn_from(root, source, said):
+    path = root / "results" / "toy2001" / "figures" / "figure_2.svg"
+    path.write_text(path.read_text().replace("<dc:source>logs/nominal.mcap</dc:source>", source))
+    assert said.replace(" ", "") in Page(render_paper(read(root, ["toy2001"])[0])).said.replace(" ", "")
 
 
 def test_same_bytes_wherever_and_whenever(root, tmp_path):

@@ -237,7 +237,7 @@ def finish(figure: Figure, panels_of_it: Sequence[Axes], *, x: str = "time [s]")
 
 
 def save(spec: FigureSpec, logs: Mapping[str, Log], case: Case, folder: Path) -> None:
-    """Draw a figure and write it as SVG and PNG, without any date."""
+    """Draw a figure and write it as SVG, which says what it is drawn from, and PNG, without any date."""
     folder.mkdir(parents=True, exist_ok=True)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(width_of(case), spec.height), layout="constrained")
@@ -246,7 +246,9 @@ def save(spec: FigureSpec, logs: Mapping[str, Log], case: Case, folder: Path) ->
         for axis in (axis for panel in figure.axes for axis in (panel.xaxis, panel.yaxis)):
             if type(axis.get_major_formatter()) is ScalarFormatter:
                 axis.set_major_formatter(_PlainTicks())
-        for ending, metadata in (("svg", {"Date": None, "Creator": None}), ("png", {"Software": None})):
+        source = ", ".join(f"logs/{run}.mcap" for run in spec.runs) or "quantities.csv"
+        about = {"svg": {"Date": None, "Creator": None, "Source": source}, "png": {"Software": None}}
+        for ending, metadata in about.items():
             temporary = folder / f".{spec.name}.{ending}"
             figure.savefig(temporary, format=ending, dpi=RESOLUTION, metadata=metadata)
             figure.set_layout_engine("none")  # what was laid out for the first file stands in the second

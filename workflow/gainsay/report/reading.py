@@ -17,6 +17,7 @@ from gainsay.verdicts.published import PUBLISHED_COLUMNS
 
 _LENGTH = r'="(\d+(?:\.\d+)?)[a-z]*"'
 _SIZE = re.compile(rf"<svg\b[^>]*?\bwidth{_LENGTH}[^>]*?\bheight{_LENGTH}", re.DOTALL)
+_SOURCE = re.compile(r"<dc:source>([^<]*)</dc:source>")
 _SIZE_REVERSED = re.compile(rf"<svg\b[^>]*?\bheight{_LENGTH}[^>]*?\bwidth{_LENGTH}", re.DOTALL)
 
 Row = Mapping[str, str]
@@ -36,7 +37,7 @@ class RunFiles:
 
 @dataclass(frozen=True)
 class FigureFile:
-    """A figure, the runs it is drawn from (None where not known) and its size in CSS pixels."""
+    """A figure, the runs it is drawn from (None where it does not say) and its size in CSS pixels."""
 
     name: str
     caption: str
@@ -103,23 +104,30 @@ def _table(found: PaperResults, name: str, lost: str, columns: Sequence[str] = (
         return []
 
 
-def _size(path: Path) -> tuple[int, int]:
+def _size(head: str) -> tuple[int, int]:
     """Width and height of an SVG in CSS pixels (its lengths are points), so that a page does not jump as it loads."""
-    with path.open(encoding="utf-8", errors="replace") as file:
-        head = file.read(4000)
     match, reverse = _SIZE.search(head), _SIZE_REVERSED.search(head)
     width, height = match.groups() if match else reverse.groups()[::-1] if reverse else ("0", "0")
     return round(float(width) * 4 / 3), round(float(height) * 4 / 3)
 
 
-def _pictures(found: PaperResults, figure_runs: Mapping[str, Sequence[str]] | None) -> None:
+def _drawn_from(head: str) -> tuple[str, ...] | None:
+    """Runs whose logs an SVG names as its source, or None where it names none."""
+    match = _SOURCE.search(head)
+    return (
+        None if match is None else tuple(Path(file).stem for file in match[1].split(", ") if file.startswith("logs/"))
+    )
+
+
+def _pictures(found: PaperResults) -> None:
     paper = found.case.paper
     for name, caption in paper.figures.items():
-        file = found.existing(f"figures/{name}.svg")
-        width, height = _size(found.case.results / file) if file else (0, 0)
-        drawn_from = None if figure_runs is None or name not in figure_runs else tuple(figure_runs[name])
+        file, head = found.existing(f"figures/{name}.svg"), ""
+        if file:
+            with (found.case.results / file).open(encoding="utf-8", errors="replace") as svg:
+                head = svg.read(4000)
         found.figures.append(
-            FigureFile(name, caption, drawn_from, file, found.existing(f"figures/{name}.png"), width, height)
+            FigureFile(name, caption, _drawn_from(head), file, found.existing(f"figures/{name}.png"), *_size(head))
         )
     for name, about in paper.runs.items():
         log, view, layout = (found.existing(f"logs/{name}.{ending}") for ending in ("mcap", "rrd", "foxglove.json"))
@@ -139,7 +147,6 @@ def _scans(found: PaperResults) -> None:
 
 def read_results(
     case: Case,
-    figure_runs: Mapping[str, Sequence[str]] | None = None,
     code: Sequence[str] = (),
     campaigns: Mapping[str, str] | None = None,
 ) -> PaperResults:
@@ -148,8 +155,6 @@ def read_results(
     Parameters
     ----------
     case : Case
-    figure_runs : mapping of figure to runs, optional
-        The runs that each figure is drawn from; None where not known.
     code : sequence of str, optional
         Source files behind the results.
     campaigns : mapping of name to text, optional
@@ -171,5 +176,5 @@ def read_results(
     found.published = _table(found, "published", "published numbers are not compared yet", PUBLISHED_COLUMNS)
     found.differences = _table(found, "differences", "nothing is held against the record yet", DIFFERENCE_COLUMNS)
     _scans(found)
-    _pictures(found, figure_runs)
+    _pictures(found)
     return found

@@ -6,6 +6,7 @@ integrator is needed: a state is a matrix exponential times the start.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -41,7 +42,8 @@ class Response:
 
     Attributes
     ----------
-    time : ndarray, shape (steps + 1,)
+    step : float
+        s.
     states : ndarray, shape (steps + 1, n)
 
     Raises
@@ -59,11 +61,11 @@ class Response:
             raise InputError("start", value=start.shape, expected=f"shape ({self.A.shape[0]},)")
         if not (end > 0 and isinstance(steps, int | np.integer) and steps >= 1):
             raise InputError("response", value=(end, steps), expected="a positive end and at least one whole step")
-        self.time = np.linspace(0.0, self.end, steps + 1)
+        self.steps, self.step = steps, self.end / steps
         self.states = np.empty((steps + 1, start.size))
         self.states[0] = start
         # Doubling: rows filled so far times the exponential over their span give as many rows again.
-        filled, span = 1, expm(self.A * self.end / steps)
+        filled, span = 1, expm(self.A * self.step)
         with np.errstate(over="ignore", invalid="ignore"):  # the last square is not used; the states are looked at
             while filled <= steps:
                 more = min(filled, steps + 1 - filled)
@@ -74,11 +76,16 @@ class Response:
             lost = float(self.time[~np.isfinite(self.states).all(axis=1)][0])
             raise ComputationError("response", f"the state leaves double precision before {lost:g} s")
 
+    @cached_property
+    def time(self) -> np.ndarray:
+        """Times of the samples, shape (steps + 1,)."""
+        return np.linspace(0.0, self.end, self.steps + 1)
+
     def at(self, time: float) -> np.ndarray:
         """State at any time of 0..end, by the exponential from the sample before it; InputError for any other."""
         if not -1e-9 * self.end <= real_number(time, "time") <= (1 + 1e-9) * self.end:
             raise InputError("response", field="time", value=time, expected=f"0..{self.end:g} s")
-        index = int(np.clip(time / self.end * (len(self.time) - 1), 0, len(self.time) - 1))
+        index = min(max(int(time / self.step), 0), self.steps)
         return expm(self.A * (time - self.time[index])) @ self.states[index]
 
     def _row(self, output: np.ndarray) -> np.ndarray:
@@ -113,33 +120,34 @@ class Response:
         values, slopes = self.states @ output, self.states @ slope_of
         sizes = size(values)
         best = int(sizes.argmax())
-        found = Peak(float(self.time[best]), float(values[best]))
+        found = Peak(best * self.step, float(values[best]))
         turns = np.flatnonzero(slopes[:-1] * slopes[1:] < 0)
         if not len(turns):
             return found
         # A step cannot raise the output by more than its length times the larger slope at its ends.
-        step = self.end / (len(self.time) - 1)
         most = np.maximum(sizes[turns], sizes[turns + 1])
-        most += step * np.abs(slopes[np.array([turns, turns + 1])]).max(axis=0)
+        most += self.step * np.maximum(np.abs(slopes[turns]), np.abs(slopes[turns + 1]))
         worth = np.flatnonzero(most > max(float(sizes[best]), above))
         rows = np.array([output, slope_of, slope_of @ self.A])
         for k in worth[np.argsort(-most[worth])]:
             if most[k] <= abs(found.value):  # nor can those that follow
                 break
-            i = turns[k]
-            after, value = self._turn(rows, int(i), step, slopes[i], slopes[i + 1])
+            after, value = self._turn(rows, int(turns[k]))
             if size(value) > size(found.value):
-                found = Peak(float(self.time[i] + after), value)
+                found = Peak(int(turns[k]) * self.step + after, value)
         return found
 
-    def _turn(self, rows: np.ndarray, index: int, step: float, first: float, last: float) -> tuple[float, float]:
+    def _turn(self, rows: np.ndarray, index: int) -> tuple[float, float]:
         """Time after a sample at which an output turns within the step, and its value there, by Newton's method.
 
         `rows` times the state are the output, its slope and the slope's slope. Where a step of Newton's leaves the
         bracket of the turn, the bracket is halved.
         """
-        low, high = 0.0, step
-        after = step * first / (first - last)
+        (start, first, bend), (stop, last, other) = (self.states[index : index + 2] @ rows.T).tolist()
+        low, high = 0.0, self.step
+        after = self.step * _turn_of_quintic(
+            stop - start, self.step * first, self.step * last, self.step**2 * bend, self.step**2 * other
+        )
         for _ in range(_ITERATIONS):
             value, slope, bend = rows @ (expm(self.A * after) @ self.states[index])
             if slope * first > 0:
@@ -150,10 +158,11 @@ class Response:
             if not low <= further <= high:
                 further = 0.5 * (low + high)
             moved, after = abs(further - after), further
-            if moved <= _CLOSE * step:
+            if moved <= _CLOSE * self.step:
                 break
         # So close to a turn the parabola through the last point gives its value.
-        return after, float(value - 0.5 * slope**2 / bend) if bend and abs(slope) < abs(bend) * step else float(value)
+        parabola = bend and abs(slope) < abs(bend) * self.step
+        return after, float(value - 0.5 * slope**2 / bend) if parabola else float(value)
 
     def last_above(self, output: np.ndarray, level: float) -> float:
         """Time after which |c x| stays below a level up to the end; the end itself where it never settles."""
@@ -180,6 +189,25 @@ class Response:
             return self.end
         i = int(passed[0])
         return float(brentq(lambda t: float(output @ self.at(t)) - level, self.time[i - 1], self.time[i], xtol=1e-10))
+
+
+def _turn_of_quintic(rise: float, first: float, last: float, bend: float, other: float) -> float:
+    """Where in 0..1 the quintic turns that has these slopes and second derivatives at 0 and 1, and rises by so much.
+
+    Its slopes have different signs at the ends: some steps of Newton's method from where their chord is zero, which is
+    the answer where they lead outside.
+    """
+    # Coefficients of the slope, a quartic, by powers.
+    short, tilt, curve = rise - first - 0.5 * bend, last - first - bend, other - bend
+    cubic = 10 * short - 4 * tilt + 0.5 * curve
+    quartic = -15 * short + 7 * tilt - curve
+    quintic = 6 * short - 3 * tilt + 0.5 * curve
+    at = first / (first - last)
+    for _ in range(3):
+        slope = first + at * (bend + at * (3 * cubic + at * (4 * quartic + at * 5 * quintic)))
+        bent = bend + at * (6 * cubic + at * (12 * quartic + at * 20 * quintic))
+        at -= slope / bent if bent else 0.0
+    return at if 0 <= at <= 1 else first / (first - last)
 
 
 def with_harmonics(

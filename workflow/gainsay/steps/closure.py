@@ -26,7 +26,7 @@ PAPER_MODULES = {
     "views": ("runs",),
     "verdicts": (),
     "compare": (),
-    "page": ("figures", "campaigns"),
+    "page": ("campaigns",),
     "report": (),
 }
 #: packages whose modules are loaded by name: one that is imported stands for all of them
