@@ -146,10 +146,9 @@ def riccati(A: np.ndarray, Q: np.ndarray, G: np.ndarray) -> tuple[np.ndarray, np
     top = np.where(holds[:, None, None], top, np.eye(n))
     X = _t(np.linalg.solve(_t(top), _t(basis[:, n:]))).real
     X = np.where(holds[:, None, None], 0.5 * (X + _t(X)), np.eye(n))
-    for _ in range(2):
-        S = A + X @ G
-        holds &= _stable(S)
-        S = np.where(holds[:, None, None], S, -np.eye(n))
+    holds &= _stable(A + X @ G)
+    for _ in range(2):  # from a stabilising X every step of Newton's gives another
+        S = np.where(holds[:, None, None], A + X @ G, -np.eye(n))
         X = _lyapunov(S, Q - X @ G @ X)
         X = 0.5 * (X + _t(X))
     residual = np.abs(A @ X + X @ _t(A) + Q + X @ G @ X).max(axis=(-1, -2))

@@ -17,6 +17,8 @@ from papers.pinheiro2013.plant import GROUPS, GeneralizedPlant, Satellite, gener
 
 LEVELS = ("hinf", "mixed", "h2")
 SEPARATE = ("pitch", "roll_yaw")
+#: corners of the uncertainty (11)
+_CORNERS = np.array(list(product((-1, 1), repeat=3)))
 #: longest step under (25), s: its tenth harmonic turns in 500 s and more
 _LONGEST_STEP = 10.0
 
@@ -110,7 +112,12 @@ class Designs:
     def plants(self) -> dict[str, GeneralizedPlant]:
         """Generalized plant by group, its input w as read."""
         reading = self.point["norm_inputs"]
-        return {group: read_inputs(generalized_plant(self.satellite, group), reading) for group in SEPARATE}
+        return {group: read_inputs(plant, reading) for group, plant in self.whole_plants.items()}
+
+    @cached_property
+    def whole_plants(self) -> dict[str, GeneralizedPlant]:
+        """Generalized plant by group, with all its inputs."""
+        return {group: generalized_plant(self.satellite, group) for group in SEPARATE}
 
     def gamma(self, level: str, group: str) -> float:
         """Level at which a design is made, as printed.
@@ -210,27 +217,29 @@ class Designs:
 
         The moments change independently of each other, as in (11), by up to this share of each.
         """
-        signs = np.array(list(product((-1, 1), repeat=3)))
-
-        plants = {group: generalized_plant(self.satellite, group) for group in SEPARATE}
-
-        def stable(hundredths: int) -> bool:
-            # Closed by the uncertainty of (11), whose corners no rigid body need have.
-            delta = 0.01 * hundredths / self.satellite.change * signs
-            loops = ((plants[g].uncertain(d), K) for (of, g), K in self.gains.items() if of == level for d in delta)
-            return max(float(np.linalg.eigvals(A - B @ K).real.max()) for (A, B), K in loops) < 0
-
-        if stable(99):
+        if self._stable(level, 99):
             return 0.99
         low, high = 0, 99
         while high - low > 1:
             middle = (low + high) // 2
-            low, high = (middle, high) if stable(middle) else (low, middle)
+            low, high = (middle, high) if self._stable(level, middle) else (low, middle)
         return 0.01 * low
+
+    def _stable(self, level: str, hundredths: int) -> bool:
+        """Say whether every loop of a level is stable at all corners of a change of the moments."""
+        loops = ((self._corners(group, hundredths), K) for (of, group), K in self.gains.items() if of == level)
+        return all(bool((np.linalg.eigvals(A - B @ K).real < 0).all()) for (A, B), K in loops)
+
+    @cache  # noqa: B019
+    def _corners(self, group: str, hundredths: int) -> tuple[np.ndarray, np.ndarray]:
+        """A and B2 at the corners, stacked; closed by the uncertainty (11), whose corners no rigid body need have."""
+        plant = self.whole_plants[group]
+        corners = [plant.uncertain(0.01 * hundredths / self.satellite.change * signs) for signs in _CORNERS]
+        return np.array([A for A, _ in corners]), np.array([B for _, B in corners])
 
     def worst_abscissa(self) -> float:
         """Largest real part of the poles of all designs at the corners of the uncertainty (11), 1/s."""
-        corners = (1 + self.satellite.change * np.array(list(product((-1, 1), repeat=3)))) * self.satellite.inertia
+        corners = (1 + self.satellite.change * _CORNERS) * self.satellite.inertia
         # A corner that no rigid body can have is none of the plants.
         plants = [replace(self.satellite, inertia=tuple(m)) for m in corners if 2 * m.max() <= m.sum()]
         loops = (responses.loop_matrix(p, group, K) for (_, group), K in self.gains.items() for p in plants)

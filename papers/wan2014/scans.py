@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from gainsay.errors import ComputationError
 from gainsay.results import Results, task
@@ -247,7 +247,7 @@ def start_boundary(case: Case, results: Results) -> None:
     """Locate the part of the position that the observer must know at the start for the thrust bounds to hold."""
     if not transient_ratio(case, 1.0) < 1 < transient_ratio(case, 0.0):
         raise ComputationError("Figure 4", "the thrust bounds do not turn between no position known and all of it")
-    boundary = brentq(lambda share: transient_ratio(case, share) - 1, 0.0, 1.0, xtol=1e-9)
+    boundary = scipy.optimize.brentq(lambda share: transient_ratio(case, share) - 1, 0.0, 1.0, xtol=1e-9)
     method = "root of the thrust ratio less one over the known part of the position, no velocity known"
     results.quantity("audit.start_boundary", boundary, method=method, source="Figure 4")
     results.say("Figure 4, (5)", f"bounds hold where the estimate starts with {boundary:.4f} of the position or more")

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from gainsay.errors import InputError
 from gainsay.simulation.delay import DelayLaw, DelaySolution, simulate_delay
@@ -136,7 +136,7 @@ def lowest_angle(flight: Flight) -> tuple[float, float]:
         return float(solution(np.array([t]))[0, 1])
 
     if rate(low) < 0 < rate(high):  # theta' is a state: its zero is the minimum
-        time = float(brentq(rate, low, high, xtol=1e-13))
+        time = float(scipy.optimize.brentq(rate, low, high, xtol=1e-13))
         return time, float(solution(np.array([time]))[0, 0])
     return float(times[k]), float(solution(times[k])[0, 0])
 
@@ -151,7 +151,7 @@ def last_outside(flight: Flight, radius: float) -> float:
     k = outside[-1]
     if k == len(times) - 1:
         return float(times[-1])
-    return float(brentq(lambda t: abs(solution(t)[0, 0]) - radius, times[k], times[k + 1], xtol=1e-12))
+    return float(scipy.optimize.brentq(lambda t: abs(solution(t)[0, 0]) - radius, times[k], times[k + 1], xtol=1e-12))
 
 
 def numbers(flight: Flight) -> dict[str, tuple[float, float, str]]:

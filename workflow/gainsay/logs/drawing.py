@@ -31,14 +31,17 @@ def draw(layout: Layout, log: Log, stream: rr.RecordingStream) -> None:
         messages = log.messages(topic)
         static = len(messages) == 1 and messages[0][0] == 0.0
         solids: dict[str, bytes] = {}
-        plates = _Plates(stream, topic)
+        plates, arrows = _Plates(stream, topic), _Arrows(stream, topic)
         for time, message in messages:
             moment = np.timedelta64(round(time * 1e9), "ns")
             if not static:
                 stream.set_time(TIMELINE, duration=moment)
             for entity in message.entities:
                 _entity(stream, topic, entity, static, solids, plates, moment)
+                if entity.arrows or not (entity.lines or entity.cubes or entity.spheres or entity.triangles):
+                    arrows.add(entity, moment)
         plates.send()
+        arrows.send(static)
     for panel in layout.panels():
         if isinstance(panel, Text):
             page = rr.TextDocument(panel.markdown, media_type=rr.MediaType.MARKDOWN)
@@ -73,6 +76,36 @@ class _Plates:
             )
 
 
+class _Arrows:
+    """Arrows of one topic, those of all times in one call; a time without any clears those before it."""
+
+    def __init__(self, stream: rr.RecordingStream, topic: str) -> None:
+        self._stream, self._path = stream, f"{topic}/arrows"
+        self._kept: list[tuple[np.timedelta64, Any]] = []
+
+    def add(self, entity: Any, moment: np.timedelta64) -> None:
+        """Keep the arrows of an entity at a time."""
+        self._kept.append((moment, entity))
+
+    def send(self, static: bool) -> None:
+        """Log what was kept, each at its time or at all times."""
+        if not self._kept:
+            return
+        arrows = [arrow for _, entity in self._kept for arrow in entity.arrows]
+        drawn = rr.Arrows3D.columns(
+            origins=np.array([_triple(arrow.pose.position) for arrow in arrows]).reshape(-1, 3),
+            vectors=np.array(
+                [_turned(arrow.pose.orientation, arrow.shaft_length + arrow.head_length) for arrow in arrows]
+            ).reshape(-1, 3),
+            radii=[0.5 * arrow.shaft_diameter for arrow in arrows],
+            colors=[_colour(arrow.color) for arrow in arrows],
+        )
+        times = [] if static else [rr.TimeColumn(TIMELINE, duration=np.array([moment for moment, _ in self._kept]))]
+        frames = rr.CoordinateFrame.columns(frame=[entity.frame_id for _, entity in self._kept])
+        parts = drawn.partition([len(entity.arrows) for _, entity in self._kept])
+        self._stream.send_columns(self._path, indexes=times, columns=[*frames, *parts])
+
+
 def _entity(
     stream: rr.RecordingStream,
     topic: str,
@@ -95,8 +128,6 @@ def _entity(
         width = rr.Radius.ui_points(0.5 * line.thickness) if line.scale_invariant else 0.5 * line.thickness
         points = [[point.x, point.y, point.z] for point in line.points]
         put(f"line{number}", rr.LineStrips3D([points], radii=width, colors=[_colour(line.color)]))
-    if entity.arrows or not (entity.lines or entity.cubes or entity.spheres or entity.triangles):
-        put("arrows", _arrows(entity.arrows))
     for number, cube in enumerate(entity.cubes):
         if new(f"cube{number}", cube):
             put(f"cube{number}", _cube(cube))
@@ -131,16 +162,6 @@ def _triple(vector: Any) -> tuple[float, float, float]:
 
 def _colour(colour: Any) -> list[int]:
     return [round(255 * part) for part in (colour.r, colour.g, colour.b, colour.a)]
-
-
-def _arrows(arrows: Any) -> rr.Arrows3D:
-    vectors = [_turned(arrow.pose.orientation, arrow.shaft_length + arrow.head_length) for arrow in arrows]
-    return rr.Arrows3D(
-        origins=[_triple(arrow.pose.position) for arrow in arrows],
-        vectors=vectors,
-        radii=[0.5 * arrow.shaft_diameter for arrow in arrows],
-        colors=[_colour(arrow.color) for arrow in arrows],
-    )
 
 
 def _turned(quaternion: Any, length: float) -> list[float]:

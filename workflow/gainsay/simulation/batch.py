@@ -12,14 +12,17 @@ E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I"
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.integrate import OdeSolution, solve_ivp
+import scipy  # its packages are loaded when they are used
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.exact.floats import real_array, real_number
 from gainsay.simulation.ode import Guarded
+
+if TYPE_CHECKING:
+    from scipy.integrate import OdeSolution
 
 #: f(t, states (m, n)) -> slopes (m, n)
 Slopes = Callable[[float, np.ndarray], np.ndarray]
@@ -44,7 +47,7 @@ class Segment:
 
     steps: np.ndarray
     shape: tuple[int, int]
-    _solution: OdeSolution
+    _solution: "OdeSolution"
 
     def grid(self, refine: int) -> np.ndarray:
         """Return so many times a step, and the last time, s."""
@@ -121,7 +124,7 @@ def segments(
     time, state, first = 0.0, starts.ravel(), None
     while time < end:
         stop = min(time + length, end)
-        found = solve_ivp(
+        found = scipy.integrate.solve_ivp(
             guarded,
             (time, stop),
             state,

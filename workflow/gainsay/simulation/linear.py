@@ -10,8 +10,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.linalg import expm
-from scipy.optimize import brentq
+import scipy  # its packages are loaded when they are used
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.exact.floats import real_array, real_number
@@ -65,7 +64,7 @@ class Response:
         self.states = np.empty((steps + 1, start.size))
         self.states[0] = start
         # Doubling: rows filled so far times the exponential over their span give as many rows again.
-        filled, span = 1, expm(self.A * self.step)
+        filled, span = 1, scipy.linalg.expm(self.A * self.step)
         with np.errstate(over="ignore", invalid="ignore"):  # the last square is not used; the states are looked at
             while filled <= steps:
                 more = min(filled, steps + 1 - filled)
@@ -86,7 +85,7 @@ class Response:
         if not -1e-9 * self.end <= real_number(time, "time") <= (1 + 1e-9) * self.end:
             raise InputError("response", field="time", value=time, expected=f"0..{self.end:g} s")
         index = min(max(int(time / self.step), 0), self.steps)
-        return expm(self.A * (time - self.time[index])) @ self.states[index]
+        return scipy.linalg.expm(self.A * (time - self.time[index])) @ self.states[index]
 
     def _row(self, output: np.ndarray) -> np.ndarray:
         output = real_array(output, "output")
@@ -149,7 +148,7 @@ class Response:
             stop - start, self.step * first, self.step * last, self.step**2 * bend, self.step**2 * other
         )
         for _ in range(_ITERATIONS):
-            value, slope, bend = rows @ (expm(self.A * after) @ self.states[index])
+            value, slope, bend = rows @ (scipy.linalg.expm(self.A * after) @ self.states[index])
             if slope * first > 0:
                 low = after
             else:
@@ -175,7 +174,9 @@ class Response:
         if i == len(values) - 1:
             return self.end
         return float(
-            brentq(lambda t: abs(float(output @ self.at(t))) - level, self.time[i], self.time[i + 1], xtol=1e-10)
+            scipy.optimize.brentq(
+                lambda t: abs(float(output @ self.at(t))) - level, self.time[i], self.time[i + 1], xtol=1e-10
+            )
         )
 
     def first_crossing(self, output: np.ndarray, level: float) -> float:
@@ -188,7 +189,11 @@ class Response:
         if len(passed) == 0:
             return self.end
         i = int(passed[0])
-        return float(brentq(lambda t: float(output @ self.at(t)) - level, self.time[i - 1], self.time[i], xtol=1e-10))
+        return float(
+            scipy.optimize.brentq(
+                lambda t: float(output @ self.at(t)) - level, self.time[i - 1], self.time[i], xtol=1e-10
+            )
+        )
 
 
 def _turn_of_quintic(rise: float, first: float, last: float, bend: float, other: float) -> float:

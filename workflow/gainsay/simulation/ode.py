@@ -11,14 +11,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Real
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.integrate import OdeSolution, solve_ivp
-from scipy.optimize import brentq, minimize_scalar
+import scipy  # its packages are loaded when they are used
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.exact.floats import real_array, real_number, real_row
+
+if TYPE_CHECKING:
+    from scipy.integrate import OdeSolution
 
 Function = Callable[[float, np.ndarray], np.ndarray]
 _NUDGE = 1e-9
@@ -52,7 +54,7 @@ class Trajectory:
     """
 
     ends: np.ndarray
-    pieces: tuple[OdeSolution, ...]
+    pieces: tuple["OdeSolution", ...]
     steps: np.ndarray
 
     def __call__(self, time: np.ndarray | float) -> np.ndarray:
@@ -83,7 +85,7 @@ class Trajectory:
         if not ((time >= -room) & (time <= self.ends[-1] + room)).all():
             raise InputError("", field="time", value=time.tolist(), expected=f"0..{self.ends[-1]:g} s")
 
-    def _piece(self, time: float) -> OdeSolution:
+    def _piece(self, time: float) -> "OdeSolution":
         index = int(np.clip(np.searchsorted(self.ends, time, side="right") - 1, 0, len(self.pieces) - 1))
         return self.pieces[index]
 
@@ -136,7 +138,7 @@ def integrate(
     while time < end:
         guarded = Guarded(right_hand_side, np.size(start), end)
         try:
-            found = solve_ivp(
+            found = scipy.integrate.solve_ivp(
                 guarded, (time, end), state, method, rtol=rtol, atol=atol, dense_output=True, events=kinks or None
             )
         except (ValueError, np.linalg.LinAlgError) as error:  # of matrices that hold an infinite derivative or slope
@@ -180,7 +182,9 @@ def _up_to_kink(
     kink = kinks[next(i for i, times in enumerate(found.t_events) if len(times))]
     begin, start, stop = float(found.t[-2]), found.y[:, -2], float(found.t[-1])
     for _ in range(_MOST_MOVES):
-        last = solve_ivp(right_hand_side, (begin, stop), start, method, rtol=rtol, atol=atol, dense_output=True)
+        last = scipy.integrate.solve_ivp(
+            right_hand_side, (begin, stop), start, method, rtol=rtol, atol=atol, dense_output=True
+        )
         if last.status < 0:
             raise ComputationError("integration", f"{method} gave up at t = {float(last.t[-1])!r} s: {last.message}")
         value, part = kink(stop, last.y[:, -1]), 1e-3 * (stop - begin)
@@ -193,9 +197,11 @@ def _up_to_kink(
     return last
 
 
-def _joined(before: OdeSolution, last: OdeSolution) -> OdeSolution:
+def _joined(before: "OdeSolution", last: "OdeSolution") -> "OdeSolution":
     """A solution whose last step is replaced."""
-    return OdeSolution(np.append(before.ts[:-1], last.ts[1:]), [*before.interpolants[:-1], *last.interpolants])
+    return scipy.integrate.OdeSolution(
+        np.append(before.ts[:-1], last.ts[1:]), [*before.interpolants[:-1], *last.interpolants]
+    )
 
 
 def _require_start(right_hand_side: Function, start: np.ndarray, end: float) -> None:
@@ -298,7 +304,9 @@ def largest(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], n
     summits &= values >= value - _CLOSE * np.ptp(values)
     for index in map(int, np.flatnonzero(summits)):
         low, high = float(grid[max(index - 1, 0)]), float(grid[min(index + 1, len(grid) - 1)])
-        polished = minimize_scalar(negative, bounds=(low, high), method="bounded", options={"xatol": 1e-10})
+        polished = scipy.optimize.minimize_scalar(
+            negative, bounds=(low, high), method="bounded", options={"xatol": 1e-10}
+        )
         if -polished.fun > value:
             time, value = float(polished.x), -float(polished.fun)
     return time, value
@@ -334,4 +342,8 @@ def last_crossing(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarr
     if len(positive) == 0 or positive[-1] == len(grid) - 1:
         raise ComputationError("crossing", "the output does not pass from positive to lastingly negative")
     low, high = float(grid[positive[-1]]), float(grid[positive[-1] + 1])
-    return float(brentq(lambda t: float(output(np.array([t]), trajectory(np.array([t])))[0]), low, high, xtol=1e-12))
+    return float(
+        scipy.optimize.brentq(
+            lambda t: float(output(np.array([t]), trajectory(np.array([t])))[0]), low, high, xtol=1e-12
+        )
+    )

@@ -9,8 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import expm
-from scipy.optimize import minimize_scalar
+import scipy  # its packages are loaded when they are used
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.exact.floats import real_array, real_number, real_row
@@ -34,7 +33,7 @@ def magnus_step(A: Callable, t: float, h: float) -> np.ndarray:
     """
     first, second = A(t + (0.5 - _GAUSS) * h), A(t + (0.5 + _GAUSS) * h)
     commutator = second @ first - first @ second
-    return expm(0.5 * h * (first + second) + np.sqrt(3) / 12 * h * h * commutator)
+    return scipy.linalg.expm(0.5 * h * (first + second) + np.sqrt(3) / 12 * h * h * commutator)
 
 
 def with_oscillators(A: np.ndarray, shapes: np.ndarray, rate: float) -> np.ndarray:
@@ -186,7 +185,7 @@ class PeriodicSolution:
         floor = values[best] - 0.05 * abs(values[best])
         inner = (values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:]) & (values[1:-1] >= floor)
         for i in np.flatnonzero(inner) + 1:
-            found = minimize_scalar(
+            found = scipy.optimize.minimize_scalar(
                 lambda s: -float(function(s, self.state(s))),
                 bounds=(t[i - 1], t[i + 1]),
                 method="bounded",
@@ -260,7 +259,7 @@ def piecewise(loops: np.ndarray, hold: float, start: np.ndarray, inner: int = 1)
     states[0] = start
     row = 0
     for block in np.array_split(loops, max(1, len(loops) // 500)):
-        for one in expm(block * step):
+        for one in scipy.linalg.expm(block * step):
             for _ in range(inner):
                 states[row + 1] = one @ states[row]
                 row += 1

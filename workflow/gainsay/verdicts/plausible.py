@@ -9,6 +9,7 @@ import math
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from typing import Any
 
@@ -186,6 +187,14 @@ def sample(
     InputError
         If fewer than one point in a hundred is admissible.
     """
+    return [dict(point) for point in _drawn(tuple(inputs), samples, seed, admissible)]
+
+
+@lru_cache(maxsize=16)
+def _drawn(
+    inputs: tuple[Plausible, ...], samples: int, seed: int, admissible: Callable[[Mapping], bool] | None
+) -> tuple[Point, ...]:
+    """Draw the points of a sample, kept for the other scans over the same inputs."""
     points: list[Point] = []
     for drawn, fraction in enumerate(fractions(len(inputs), seed)):
         if drawn > 100 * max(samples, 10):
@@ -194,7 +203,7 @@ def sample(
         if admissible is None or admissible(point):
             points.append(point)
             if len(points) == samples:
-                return points
+                return tuple(points)
     raise AssertionError("the sequence does not end")
 
 
