@@ -1,5 +1,7 @@
 """The inequalities of zhang2013 as printed and as they follow from each other, and the programs made of them."""
 
+from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 from gainsay.statements import Stated, Statement, matrix, positive, read_constraint, scalar, symmetric
@@ -221,6 +223,7 @@ def equation_23(part: str) -> Statement:
     )
 
 
+@cache  # the same at every point of a map
 def corrected_23(part: str) -> Statement:
     """(23a) or (23b) as (9) and (25) give them: five cells."""
     return equation_23(part).corrected({**corrections(part), ("e", "w1"): "-N @ B", ("x'", "x_d"): "l1 * B @ M"})
@@ -231,7 +234,11 @@ def without_block_26(part: str) -> Statement:
     return corrected_23(part).corrected({("e", "e_d"): ""}, edition="without (2,6)")
 
 
-EDITIONS = {"printed": equation_23, "corrected": corrected_23, "without (2,6)": without_block_26}
+EDITIONS: dict[str, Callable[[str], Statement]] = {
+    "printed": equation_23,
+    "corrected": corrected_23,
+    "without (2,6)": without_block_26,
+}
 UNKNOWNS_26 = {
     **SIGNED,
     "P21": matrix(2, 2),

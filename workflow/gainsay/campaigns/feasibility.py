@@ -19,6 +19,8 @@ COLOURS = {FEASIBLE: "#4c9f70", INFEASIBLE: "#b5495b", UNDECIDED: "#c9c9c9"}
 _MARKERS = {FEASIBLE: "o", INFEASIBLE: "x", UNDECIDED: "s"}
 #: values of a third input that are drawn beside each other
 _PANELS = 4
+#: digits that multipliers are rounded to: with fewer, hardly any keep the room that they were given
+_DIGITS = (9, 12)
 
 
 def certified(stated: Stated, name: str, sentence: str, floats: Floats | None = None) -> tuple[str, Certificate | None]:
@@ -46,8 +48,8 @@ def certified(stated: Stated, name: str, sentence: str, floats: Floats | None = 
             if candidate.values:
                 point = {unknown: candidate.values[unknown] for unknown in stated.unknowns}
                 return FEASIBLE, build.feasible_point(statement=f"There is {sentence}.", point=point, **parts)
-            multipliers = dict(candidate.multipliers)
-            return INFEASIBLE, build.farkas(statement=f"There is no {sentence}.", multipliers=multipliers, **parts)
+            refuting, said = dict(candidate.multipliers), f"There is no {sentence}."
+            return INFEASIBLE, build.farkas(statement=said, multipliers=refuting, digits=_DIGITS, **parts)
         except CertificateError:
             continue
     return UNDECIDED, None
@@ -78,7 +80,7 @@ def feasibility_map(
             name = f"{of.plan.row.name}-{index}"
             outcome, made = certified(program, name, sentence.format(**point), floats)
             outcomes.append(outcome)
-            certificates.append(made.to_json() if made is not None else "")
+            certificates.append(made.to_json(compact=True) if made is not None else "")
         coordinates = {name: [float(point[name]) for point in points] for name in inputs}
         return {**coordinates, "outcome": outcomes, "certificate": certificates}
 

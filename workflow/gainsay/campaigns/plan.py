@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -78,22 +79,22 @@ class Plan:
             raise InputError(self.row.name, file=file, field="kind", value=self.row.kind, expected=self.evaluation.kind)
         check_inputs(self.row, self.evaluation.inputs, file)
 
-    @property
+    @cached_property
     def axes(self) -> tuple[Axis, ...]:
         """The inputs, in the order of the row."""
         return axes(self.row)
 
-    @property
+    @cached_property
     def counts(self) -> tuple[int, ...]:
         """Points along each input; the number of draws."""
         return counts(self.row)
 
-    @property
+    @cached_property
     def points(self) -> int:
         """All points, cells or draws."""
         return math.prod(self.counts)
 
-    @property
+    @cached_property
     def block(self) -> int:
         """Points of a block; the last one may be shorter."""
         return whole(self.row, "block")

