@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gainsay.campaigns import Plan
+from gainsay.campaigns import Plan, store
 from gainsay.campaigns.box import OPEN, PROVED, REFUTED, branch
 from gainsay.campaigns.draws import counted_draws
 from gainsay.campaigns.scan import grid_scan
@@ -226,6 +226,22 @@ def test_a_chunk_that_is_killed_leaves_nothing_that_counts_and_is_done_again(cas
     assert made(whole) == expected
 
 
+def test_rows_stand_in_groups_of_one_size_however_they_come(case, monkeypatch):
+    """A group a row would have its header and its checksum each, and be read one by one."""
+    import pyarrow.parquet
+
+    monkeypatch.setattr(store, "GROUP", 64)
+    rows = 2 * 64 + 7
+    whole = plan(case, SCAN, resolution=f"{rows}x1", block="1", chunk=str(rows))
+    write_chunk(whole, 0)
+    gather(whole)
+    for path in (chunk_path(whole, 0), folder(whole) / "plane.parquet"):
+        read = pyarrow.parquet.ParquetFile(path)
+        groups = [read.metadata.row_group(k).num_rows for k in range(read.metadata.num_row_groups)]
+        assert groups == [64, 64, 7]
+        assert read.read()["index"].to_pylist() == list(range(rows))
+
+
 def test_memory_does_not_grow_with_the_number_of_rows(case):
     import tracemalloc
 
@@ -252,7 +268,9 @@ def test_status_counts_chunks_and_tells_rate_and_time_left(case):
     assert line.startswith("luck: 3 of 21 chunks, 1 a minute, 18 min left, so far: 150 draws, ")
     # a chunk a minute: nothing for five minutes is said
     assert "none for" not in progress(whole, now=1419)
-    assert ", none for 8 min, so far: 150 draws" in progress(whole, now=1600)
+    silent = progress(whole, now=1600)
+    assert ", none for 8 min (where no job is in the queue: stop Snakemake and start it again, " in silent
+    assert "what is there stays), so far: 150 draws, " in silent
     assert rate([1000.0], 1001.0) == 0
     assert rate([0.0, 1.0], 100.0) == pytest.approx(0.01)  # nothing for long: the rate falls
     for number in range(3, whole.chunks):

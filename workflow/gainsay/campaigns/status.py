@@ -12,6 +12,8 @@ from gainsay.errors import InputError
 _RECENT = 20
 #: how often the time between chunks nothing may come before it is said, and for how many seconds at least
 _OVERDUE, _SILENT = 5, 60.0
+#: what to do where nothing comes: a scheduler may have lost a job without a word, and then Snakemake waits for it
+_LOST = "where no job is in the queue: stop Snakemake and start it again, what is there stays"
 _UNITS = ((86400, "d"), (3600, "h"), (60, "min"), (1, "s"))
 
 
@@ -73,5 +75,5 @@ def progress(plan: Plan, now: float | None = None) -> str:
     if speed:
         line += f", {speed * 60:.3g} a minute, {spelled((plan.chunks - len(times)) / speed)} left"
     idle = silence(times, now)
-    line += f", none for {spelled(idle)}" if idle else ""
+    line += f", none for {spelled(idle)} ({_LOST})" if idle else ""
     return f"{line}, so far: {so_far}" if so_far else line

@@ -63,10 +63,14 @@ def _array(field: Any, values: Sequence[Any]) -> Any:
 
 
 class _Writer:
-    """A Parquet file under a temporary name that takes its own when it is whole."""
+    """A Parquet file under a temporary name that takes its own when it is whole; its groups are of `GROUP` rows each.
+
+    However rows come, they are put together once: a file of a group a point takes longer to write than its points.
+    """
 
     def __init__(self, path: Path, plan: Plan) -> None:
         self.arrow, self.path, self.schema = _arrow(), path, _schema(plan)
+        self.waiting: list[Any] = []
         path.parent.mkdir(parents=True, exist_ok=True)
         self.part = path.with_name(f".{os.getpid()}.{path.name}.part")
         self.file = self.arrow.parquet.ParquetWriter(
@@ -78,13 +82,23 @@ class _Writer:
         return self
 
     def write(self, table: Any) -> None:
-        self.file.write_table(table, row_group_size=GROUP)
+        self.waiting.append(table)
+        if sum(map(len, self.waiting)) >= GROUP:
+            rows = self._together()
+            whole = len(rows) - len(rows) % GROUP
+            self.file.write_table(rows[:whole], row_group_size=GROUP)
+            self.waiting = [rows[whole:]]
+
+    def _together(self) -> Any:
+        return self.arrow.concat_tables([self.schema.empty_table(), *self.waiting]).combine_chunks()
 
     def note(self, content: Mapping[str, str]) -> None:
         self.file.add_key_value_metadata(dict(content))
 
     def __exit__(self, kind: type | None, *rest: object) -> None:
         try:
+            if kind is None and (rows := self._together()):
+                self.file.write_table(rows, row_group_size=GROUP)
             self.file.close()
             if kind is None:
                 self.part.replace(self.path)
@@ -189,11 +203,9 @@ def gather(plan: Plan) -> dict[str, Any]:
     InputError
         If a chunk is missing, damaged, or of other tables.
     """
-    arrow = _arrow()
     total: Counter[str] = Counter()
     path = folder(plan) / f"{plan.row.name}.parquet"
     with naming(path), _Writer(path, plan) as file:
-        waiting = file.schema.empty_table()
         for number in range(plan.chunks):
             chunk = chunk_path(plan, number)
             about = about_chunk(chunk, plan.case.root)
@@ -204,13 +216,8 @@ def gather(plan: Plan) -> dict[str, Any]:
                     "another chunk", file=file_name, value=about, expected=f"chunk {number} of {plan.digest}"
                 )
             for rows in _rows(plan, number, about):
-                waiting = arrow.concat_tables([waiting, rows]).combine_chunks()
-                while len(waiting) >= GROUP:
-                    file.write(waiting[:GROUP])
-                    waiting = waiting[GROUP:].combine_chunks()
+                file.write(rows)
             total.update(about["counts"])
-        if len(waiting):
-            file.write(waiting)
     counts = dict(sorted(total.items()))
     manifest = {
         "format": _FORMAT,
