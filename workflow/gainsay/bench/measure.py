@@ -2,10 +2,13 @@
 
 import os
 import resource
+import shutil
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -40,6 +43,18 @@ class Row:
     def __str__(self) -> str:
         aim = "" if self.aim is None else f"  aim {self.aim:.2f}  {'met' if self.ratio <= self.aim else 'MISSED'}"
         return f"{self.what:<42} {self.seconds:8.3f} s  {self.ratio:7.2f} x {self.against:<44}{aim}"
+
+
+@contextmanager
+def project_copy(root: Path) -> Iterator[Path]:
+    """Yield a folder with the tables and modules of a project and no results, which is gone afterwards."""
+    with tempfile.TemporaryDirectory(prefix="gainsay-") as place:
+        copy = Path(place)
+        shutil.copy(root / "Snakefile", copy)
+        shutil.copytree(root / "papers", copy / "papers", ignore=shutil.ignore_patterns("__pycache__"))
+        for name in ("workflow", "profiles"):
+            (copy / name).symlink_to(root / name)
+        yield copy
 
 
 def cpu_of(work: Callable[[], object]) -> float:

@@ -1,13 +1,13 @@
 """Where the CPU seconds of a task go: bare solves, bare integrations, imports, and the rest.
 
 Measured around the calls themselves: a solver's own run, an integrator's with its right-hand side, the first import of
-a module. What runs inside another counted part is that part's.
+a module. What is counted inside another counted part is taken out of that one.
 """
 
 import builtins
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import wraps
 from typing import Any
@@ -18,29 +18,35 @@ KINDS = ("solves", "integrations", "imports")
 class Meter:
     """CPU seconds of this process by kind.
 
+    Parameters
+    ----------
+    kinds : sequence of str
+        What is told apart.
+
     Attributes
     ----------
     seconds : dict
-        Kind, one of `KINDS`, to seconds.
+        Kind to seconds.
     """
 
-    def __init__(self) -> None:
-        self.seconds = dict.fromkeys(KINDS, 0.0)
-        self._inside = False
+    def __init__(self, kinds: Sequence[str] = KINDS) -> None:
+        self.seconds = dict.fromkeys(kinds, 0.0)
+        self._within: list[float] = []  # seconds counted inside each call that is running
 
     def around(self, kind: str, call: Callable) -> Callable:
         """The same call, counted."""
 
         @wraps(call)
         def counted(*arguments: Any, **named: Any) -> Any:
-            if self._inside:
-                return call(*arguments, **named)
-            self._inside, begun = True, time.process_time()
+            self._within.append(0.0)
+            begun = time.process_time()
             try:
                 return call(*arguments, **named)
             finally:
-                self.seconds[kind] += time.process_time() - begun
-                self._inside = False
+                seconds = time.process_time() - begun
+                self.seconds[kind] += seconds - self._within.pop()
+                if self._within:
+                    self._within[-1] += seconds
 
         return counted
 
@@ -81,11 +87,18 @@ class Meter:
                 (delay_steps.Steps, "run"),
             )
         ]
-        kept = [(owner, name, vars(owner)[name]) for owner, name, _ in places]
-        for owner, name, counted in places:
-            setattr(owner, name, staticmethod(counted) if name == "of" else counted)
-        try:
+        with replaced([(owner, name, staticmethod(c) if name == "of" else c) for owner, name, c in places]):
             yield
-        finally:
-            for owner, name, plain in kept:
-                setattr(owner, name, plain)
+
+
+@contextmanager
+def replaced(places: Sequence[tuple[Any, str, Any]]) -> Iterator[None]:
+    """Put other values in the place of some attributes, each an owner, a name and a value, inside the block."""
+    kept = [(owner, name, vars(owner)[name]) for owner, name, _ in places]
+    for owner, name, value in places:
+        setattr(owner, name, value)
+    try:
+        yield
+    finally:
+        for owner, name, plain in kept:
+            setattr(owner, name, plain)

@@ -5,13 +5,12 @@ project.
 """
 
 import os
-import shutil
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 
+from gainsay.bench.measure import project_copy
 from gainsay.tables import find_root
 
 #: chunks of equal work, enough of it that starting Snakemake weighs little
@@ -27,12 +26,7 @@ def measured(root: Path, paper: str, campaign: str, cores: int) -> tuple[float, 
     RuntimeError
         If the campaign does not end well.
     """
-    with tempfile.TemporaryDirectory(prefix="gainsay-") as place:
-        copy = Path(place)
-        shutil.copy(root / "Snakefile", copy)
-        shutil.copytree(root / "papers", copy / "papers", ignore=shutil.ignore_patterns("__pycache__"))
-        for name in ("workflow", "profiles"):
-            (copy / name).symlink_to(root / name)
+    with project_copy(root) as copy:
         command = [sys.executable, "-m", "snakemake", "campaigns", "--cores", str(cores)]
         chosen = ["--config", f"papers={paper}", f"campaigns={campaign}"]
         path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"

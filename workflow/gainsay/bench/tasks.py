@@ -4,10 +4,8 @@
 """
 
 import json
-import shutil
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -16,6 +14,7 @@ from dataclasses import asdict, dataclass
 from io import StringIO
 from pathlib import Path
 
+from gainsay.bench.measure import project_copy
 from gainsay.bench.meter import KINDS, Meter
 from gainsay.errors import GainsayError
 
@@ -55,10 +54,7 @@ def rows(root: Path, papers: Sequence[str]) -> Iterator[TaskRow | str]:
 
     A paper whose tasks did not all end well gives a line that says so instead.
     """
-    with tempfile.TemporaryDirectory(prefix="gainsay-") as place:
-        copy = Path(place)
-        shutil.copy(root / "Snakefile", copy / "Snakefile")
-        shutil.copytree(root / "papers", copy / "papers", ignore=shutil.ignore_patterns("__pycache__"))
+    with project_copy(root) as copy:
         everything: list[TaskRow] = []
         with ThreadPoolExecutor(2) as pool:
             for paper, found in zip(papers, pool.map(lambda p: _measured(copy, p), papers), strict=True):

@@ -32,11 +32,14 @@ if TYPE_CHECKING:  # planning a run must not load solvers
 
 #: libraries whose numbers stand in results
 LIBRARIES = ("clarabel", "cvxpy", "numpy", "pyarrow", "python-flint", "scipy")
-#: proofs make many small numbers and no cycles: to look for cycles as often as Python does takes a twentieth
-_COLLECTED = (50_000, 20, 20)
 #: columns of a campaign's row that its numbers depend on; chunks are cut as one likes
 _COLUMNS = ("name", "kind", "inputs", "resolution", "seed", "block")
 _DIGITS = 16
+
+
+def collect_seldom() -> None:
+    """Look for cycles of objects less often: proofs make many small numbers and none, and looking takes a twentieth."""
+    gc.set_threshold(50_000, 20, 20)
 
 
 @cache
@@ -170,7 +173,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--digest", default="", help="refuse where tables and code have another digest")
     parser.add_argument("--root", type=Path, help="project root; default: the project around the current folder")
     options = parser.parse_args(arguments)
-    gc.set_threshold(*_COLLECTED)
+    collect_seldom()
     try:
         case = read_case(find_root(options.root), options.paper)
         if options.chunk is None:
