@@ -29,6 +29,7 @@ from papers.zhang2013.conditions import (
 )
 from papers.zhang2013.plant import MODES, Spacecraft
 from papers.zhang2013.proofs import PRINTED_GAINS
+from papers.zhang2013.proofs_flight import angle_settles
 from papers.zhang2013.scans import figures
 from papers.zhang2013.statements import PLANT, PRINTED_LOOP, reduced_theorem_1, structured_theorem_1, theorem_1
 from papers.zhang2013.synthesis import certify_on_flexible
@@ -317,6 +318,7 @@ TASKS = (
     orbit,
     disturbance,
     figures,
+    angle_settles,
     poles,
     delay_margin,
     norm,

@@ -24,7 +24,7 @@ from tests.known.second_formulas import (
     ordered,
     spectrum,
 )
-from tests.known.second_loops import least_h2, lines, norms, uncertain
+from tests.known.second_loops import delayed, least_h2, lines, norms, uncertain
 
 MARGIN = 1e-7
 TRIES = 3
@@ -282,7 +282,7 @@ FACTS = {
     **dict.fromkeys(("bounded_real", "h2", "norm_at_least"), norms),
     **dict.fromkeys(("quadratic_bound", "robust_disk", "robust_norm", "contour"), uncertain),
     **dict.fromkeys(("definite", "not_definite"), definite),
-    "h2_least": least_h2, "farkas": infeasible, "wrong_inertia": wrong_inertia,
+    "h2_least": least_h2, "delay_peak": delayed, "farkas": infeasible, "wrong_inertia": wrong_inertia,
     "dual_bound": dual_bound, "feasible": feasible, "linear_box": linear_box,
     "identity": identity, "different": different, "enclosed": enclosed, "level": level,
     "positive_on_interval": interval, "implication": implication,
@@ -324,6 +324,7 @@ def judge(plain, data, seed=0):
 
 INEXACT = {
     "bounded_real",
+    "delay_peak",
     "h2",
     "h2_least",
     "norm_at_least",

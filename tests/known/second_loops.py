@@ -150,3 +150,37 @@ def uncertain(plain, data, draw):
                     peak, x = max(peak, linalg.norm(k @ x)), step @ x
                 facts.setdefault(entry["of"], []).append(mp.mpf(peak))
     return facts
+
+
+def delayed(plain, data, draw):
+    """Kind delay_peak: peaks of flights under drawn delays that jump, and drawn disturbances of full size."""
+    fields, at = plain["fields"], Formulas(plain, data, {}, draw)
+    loops = zip(*(listed(at, fields[name]) for name in ("A", "Bd", "Cd")), strict=True)
+    starts, longest = doubles(at.value(fields["x0"])), float(at.number(fields["delay"]))
+    push = doubles(at.value(fields["B"])) if "B" in fields else np.zeros((len(starts), 1))
+    size = float(at.number(fields["w"])) if "B" in fields else 0.0
+    outputs = [(o["of"], doubles(at.value(o["row"])), float(at.number(o["from"]))) for o in fields["outputs"]]
+    facts = {of: [] for of, _, _ in outputs}
+    for a, bd, cd in ((doubles(m) for m in loop) for loop in loops):
+        n = len(a)
+        fastest = max(np.abs(linalg.eigvals(a + bd @ cd)).max(), 1e-9)
+        slowest = max(-linalg.eigvals(a + bd @ cd).real.max(), 1e-3 * fastest)
+        end = max(since for _, _, since in outputs) + 4 / slowest
+        step = max(min(0.02 / fastest, longest / 8 if longest > 0 else np.inf), end / 20_000)
+        hold = linalg.expm(step * np.block([[a, bd, push], [np.zeros((2, n + 2))]]))
+        for _ in range(TRIES):
+            weights = np.array([[draw.random()] for _ in starts.T])
+            x, seen = starts @ (weights / weights.sum()), []
+            jump = draw.choice([0.05, 0.5, 2.0]) / fastest
+            d, w, until = draw.choice([0.0, longest]), size, 0.0
+            for k in range(int(end / step)):
+                if k * step >= until:
+                    d, w, until = draw.choice([0.0, longest]), draw.choice([-size, size]), k * step + jump
+                seen.append((cd @ x).item())
+                # rounded towards now: no delay is longer than the longest
+                late = seen[max(k - int(d / step), 0)]
+                x = (hold @ np.vstack([x, [[late]], [[w]]]))[:n]
+                for of, row, since in outputs:
+                    if (k + 1) * step >= since:
+                        facts[of].append((row @ x).item())
+    return {of: [mp.mpf(min(values)), mp.mpf(max(values))] for of, values in facts.items() if values}

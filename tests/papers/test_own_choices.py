@@ -28,6 +28,7 @@ from papers.li2021 import plant as satellite
 from papers.li2021 import response
 from papers.wan2014 import proofs_two_body as two_body
 from papers.wan2014 import scans as flights
+from papers.zhang2013 import proofs_flight as attitude
 
 ROOT = Path(__file__).resolve().parents[2]
 CASES = {paper: read_case(ROOT, paper) for paper in paper_names(ROOT)}
@@ -41,7 +42,12 @@ FACTORS = (0.5, 2.0)
 #: ranges whose ends are not ours: a share of a whole, a full circle
 WHOLE = {"estimate_position_share", "estimate_velocity_share", "variation_phase"}
 #: what certificates prove, in SI
-PROVED_BOUNDS = {"audit.final_range": two_body.FINAL_RANGE, "audit.final_speed": two_body.FINAL_SPEED}
+PROVED_BOUNDS = {
+    "audit.final_range": two_body.FINAL_RANGE,
+    "audit.final_speed": two_body.FINAL_SPEED,
+    "audit.convergence": attitude.SHARE,
+    "run.theta_end": attitude.ANGLE,
+}
 #: how a row says where its verdict turns
 TURNS = re.compile(r"turns (at|below|above) [-\d.]")
 _ONE = {"name": "x", "unit": "1", "low": 0.0, "high": 1.0, "logarithmic": False, "parameter": "x"}
@@ -50,8 +56,8 @@ _ONE = {"name": "x", "unit": "1", "low": 0.0, "high": 1.0, "logarithmic": False,
 def on_record(case, claim: Claim) -> Judgement:
     """Judge a claim from the record: what its certificate proves, the ends of its scan, or its value."""
     if claim.kind in PROVED:
-        bound = PROVED_BOUNDS[claim.quantity]
-        proof = Concluded("at_most", None, Fraction(bound), "proof", "theorem")
+        bound = Fraction(PROVED_BOUNDS[claim.quantity])
+        proof = Concluded("inside", -bound, bound, "proof", "theorem")
         return judge(case, claim, Evidence(concluded={claim.quantity: [proof]}, certificates={"proof": "s"}), {})
     if (claim.id, "smallest") in case.recorded_scans:
         ends = [float(case.recorded_scans[claim.id, item].value) for item in ("smallest", "largest")]

@@ -36,8 +36,8 @@ KINDS = {
         "`loop_proofs.poles_in_disk`, `pole_outside_disk`; kinds `'eigenvalues'`, `'robust_disk'`",
     ),
     "norm-bound": (
-        "an H-infinity or H2 norm is bounded",
-        "`norm_proofs.prove_norm`; kinds `'norm_at_least'`, `'level'`",
+        "an H-infinity or H2 norm is bounded, or what is left of every response after a time",
+        "`norm_proofs.prove_norm`; kinds `'norm_at_least'`, `'level'`; `'quadratic_bound'`, `'delay_peak'`",
     ),
     "cost-bound": ("a quadratic cost is bounded", "`'quadratic_bound'`, or `statements.enclose`"),
     "input-bound": ("the input stays below a bound over a set", "`'quadratic_bound'`, `'linear_box'`"),
