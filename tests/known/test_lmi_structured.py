@@ -276,7 +276,9 @@ def completed(rng, outside):
     return [F > 0]
 
 
-@pytest.mark.parametrize("made", [free_lyapunov, free_stein, in_a_cone, completed, a_vertex, diagonal_form])
+@pytest.mark.parametrize(
+    "made", [free_lyapunov, free_stein, in_a_cone, completed, a_vertex, diagonal_form, complex_lyapunov]
+)
 @pytest.mark.parametrize("power", [1, 4])
 def test_units_of_rows_and_unknowns_change_no_outcome(made, power):
     rng = np.random.default_rng(33)

@@ -117,6 +117,13 @@ def _fantope(k):
     return Program(minimise=-trace(A4 @ P), subject_to=[P >= 0, (P <= np.eye(4)).named("I"), equal(trace(P), k, "k")])
 
 
+def _hyperbola(size):
+    # x y >= size^2, least 3 x + 2: as near to 2 as one likes, and never there
+    y = scalar("y")
+    block = x * np.diag([1.0, 0]) + y * np.diag([0, 1.0]) + size * H2
+    return Program(minimise=3 * x + 2, subject_to=[block >= 0])
+
+
 def _nuclear():
     # norm of the (1, 4) matrix b: [[t, b], [b', t I]] >= 0, least t = |b|
     b = np.array([[3.0, 0, 4.0, 12.0]])
@@ -176,6 +183,8 @@ KNOWN = {
     "H2 norm squared": (_h2, 1 / 6),
     "H-infinity norm squared": (_hinf, 6.25),
     "correlation": (_interpolation, -np.cos(0.2)),
+    "not attained": (lambda: _hyperbola(1.0), 2.0),
+    "not attained, far": (lambda: _hyperbola(1e6), 2.0),
     # linear programs: vertices by hand
     "vertex": (
         lambda: Program(minimise=-x - t, subject_to=[(2 * x + t <= 4).named("a"), (x + 3 * t <= 6).named("b")]),

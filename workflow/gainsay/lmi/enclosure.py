@@ -8,6 +8,7 @@ from gainsay.errors import InputError
 from gainsay.exact.floats import real_number
 from gainsay.lmi import backends, centring, duality, scaling
 from gainsay.lmi.affine import Values
+from gainsay.lmi.facial import exact_bound
 from gainsay.lmi.outcomes import Infeasible, Infimum, Solved, Unbounded, Undecided
 from gainsay.lmi.points import proved_point
 from gainsay.lmi.program import Program
@@ -100,6 +101,8 @@ def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None)
             lower, proof = bound, multipliers
     if asked is None and not best.objective - lower < 1e-6 * max(abs(best.objective), scale.cost):
         best, lower, proof = _along_the_path(program, scale, solved, best, lower, proof, attempts)
+    if asked is None and not np.isfinite(lower):
+        lower, proof = exact_bound(program, scale, flat.multipliers)
     return _told(program, sharp, best, lower, proof, scale.cost, attempts)
 
 

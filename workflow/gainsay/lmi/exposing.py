@@ -16,8 +16,9 @@ from gainsay.exact.linear import Unsolvable, complete
 from gainsay.exact.rational import to_fmpq
 from gainsay.lmi import scaling
 from gainsay.lmi.affine import Definite, Entrywise, Equal
+from gainsay.lmi.rounding import power_of_two
 
-__all__ = ["Face", "exact_faces"]
+__all__ = ["Face", "exact_faces", "exact_multipliers"]
 
 # what is tried in rationals: unknown entries of multipliers, and coordinates
 _MOST_ENTRIES = 400
@@ -62,26 +63,48 @@ def exact_faces(
     target : int or None
         Value that the sum of <constant part, Z_j> is to have (0), or None for any.
     """
-    top = max(
-        (
-            float(np.abs(m).max(initial=0.0))
-            for c, m in zip(constraints, multipliers, strict=True)
-            if not isinstance(c, Equal)
-        ),
-        default=0.0,
-    )
-    if not top > 0 or len(scaled.cost) > _MOST_ENTRIES:
+    right = np.append(np.zeros(len(scaled.cost)), np.nan if target is None else target)
+    yield from _near(scaled, constraints, multipliers, right)
+
+
+def exact_multipliers(
+    scaled: scaling.Scaled, constraints: Sequence, multipliers: Sequence[np.ndarray]
+) -> Iterator[tuple[float, Face]]:
+    """Exact solutions of ``cost = sum <coefficients, Z_j>``, each a power of two and what it multiplies.
+
+    They need no room inside their cones, which multipliers of an infimum that is not attained do not have.
+    """
+    unit = float(power_of_two(_largest(constraints, multipliers)))
+    right = np.append(scaled.cost / unit, np.nan)
+    for face in _near(scaled, constraints, [m / unit for m in multipliers], right):
+        yield unit, face
+
+
+def _largest(constraints: Sequence, multipliers: Sequence[np.ndarray]) -> float:
+    sizes = [
+        np.abs(m).max(initial=0.0) for c, m in zip(constraints, multipliers, strict=True) if not isinstance(c, Equal)
+    ]
+    return float(max(sizes, default=0.0)) or 1.0
+
+
+def _near(
+    scaled: scaling.Scaled, constraints: Sequence, multipliers: Sequence[np.ndarray], right: np.ndarray
+) -> Iterator[Face]:
+    """Exact multipliers whose equations, one a coordinate and one of the value, have the right sides: nan for any."""
+    if len(scaled.cost) > _MOST_ENTRIES:
         return
-    tried = set()
+    top, tried = _largest(constraints, multipliers), set()
     for cut in _CUTS:
-        factors = [_factor(c, m / top, cut) for c, m in zip(constraints, multipliers, strict=True)]
+        factors = [_factor(c, m, cut * top) for c, m in zip(constraints, multipliers, strict=True)]
         ranks = tuple(f.shape[-1] if f.ndim == 2 else int(np.count_nonzero(f)) for f in factors)
         if ranks in tried or not any(r for c, r in zip(constraints, ranks, strict=True) if not isinstance(c, Equal)):
             continue
         tried.add(ranks)
-        factors = _polished(scaled, constraints, factors, target)
+        if sum(r * (r + 1) // 2 if f.ndim == 2 else r for f, r in zip(factors, ranks, strict=True)) > _MOST_ENTRIES:
+            continue
+        factors = _polished(scaled, constraints, factors, right)
         for snap in _SNAPS:
-            found = _snapped_face(scaled, constraints, factors, snap, target)
+            found = _snapped_face(scaled, constraints, factors, snap, right)
             if found is not None:
                 yield found
                 break
@@ -97,16 +120,16 @@ def _factor(constraint: object, z: np.ndarray, cut: float) -> np.ndarray:
 
 
 def _polished(
-    scaled: scaling.Scaled, constraints: Sequence, factors: list[np.ndarray], target: int | None
+    scaled: scaling.Scaled, constraints: Sequence, factors: list[np.ndarray], right: np.ndarray
 ) -> list[np.ndarray]:
-    """Factors at which the equations hold to all digits, where Gauss-Newton steps of constant trace lead there.
+    """Factors at which the equations hold to all digits, where Gauss-Newton steps lead there.
 
     The equations of a face within a face are singular: there the steps shrink by a constant factor only.
     """
     longest = np.inf
     with np.errstate(over="ignore", invalid="ignore"):  # steps that run away end in no exact solution
         for number in range(_STEPS):
-            stated, rest = _linearised(scaled, constraints, factors, target)
+            stated, rest = _linearised(scaled, constraints, factors, right)
             units = 1 / np.maximum(np.linalg.norm(stated, axis=1), 1e-300)
             try:
                 step = np.linalg.lstsq(stated * units[:, None], -rest * units, rcond=_SINGULAR)[0]
@@ -122,10 +145,10 @@ def _polished(
 
 
 def _linearised(
-    scaled: scaling.Scaled, constraints: Sequence, factors: Sequence[np.ndarray], target: int | None
+    scaled: scaling.Scaled, constraints: Sequence, factors: Sequence[np.ndarray], right: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Slopes and residuals of the equations, of the value if it is to be zero, and of the trace, which is to stay."""
-    slopes, rest = [], np.zeros(len(scaled.cost) + 1)
+    """Slopes and residuals of the equations, and where they are homogeneous of the trace, which is to stay."""
+    slopes, rest = [], -np.nan_to_num(right)
     for constraint, tensor, constant, f in zip(constraints, scaled.tensors, scaled.constants, factors, strict=True):
         whole = np.concatenate([tensor, constant[..., None]], axis=-1)
         if isinstance(constraint, Definite):
@@ -137,7 +160,7 @@ def _linearised(
             kept = np.ones_like(f) if isinstance(constraint, Equal) else np.where(f > 0, 1.0, 0.0)
             slope, weight = whole * kept[:, None], np.zeros_like(f) if isinstance(constraint, Equal) else kept
         slopes.append(np.column_stack([slope, weight.ravel()]))
-    asked = [*range(len(scaled.cost)), *((len(scaled.cost),) if target is not None else ()), -1]
+    asked = np.append(np.isfinite(right), not np.nan_to_num(right).any())
     return np.vstack(slopes).T[asked], np.append(rest, 0.0)[asked]
 
 
@@ -151,7 +174,7 @@ def _snapped_face(
     constraints: Sequence,
     factors: list[np.ndarray],
     snap: tuple[int, float],
-    target: int | None,
+    right: np.ndarray,
 ) -> Face | None:
     frames: list = []
     values: list[fmpq] = []
@@ -159,7 +182,6 @@ def _snapped_face(
     equations: list[dict[int, fmpq]] = [{} for _ in range(len(scaled.cost) + 1)]
     shapes: list[int] = []
     for constraint, tensor, constant, f in zip(constraints, scaled.tensors, scaled.constants, factors, strict=True):
-        start = len(values)
         if isinstance(constraint, Definite):
             frame = _frame(f, snap)
             frames.append(frame)
@@ -167,8 +189,6 @@ def _snapped_face(
             shapes.append(r)
             if frame is None:
                 continue
-            if start + r * (r + 1) // 2 > _MOST_ENTRIES:
-                return None
             back = np.linalg.pinv(_floats(frame)) @ f
             core = back @ back.T
             parts = [_congruent(frame, tensor[:, :, k]) for k in range(len(scaled.cost))]
@@ -193,9 +213,9 @@ def _snapped_face(
                 equations[k][index] = to_fmpq(float(tensor[i, k]))
             if constant[i]:
                 equations[-1][index] = to_fmpq(float(constant[i]))
-    if not values or len(values) > _MOST_ENTRIES:
+    if not values:
         return None
-    stated = [(e, fmpq(0)) for e in equations[: -1 if target is None else None] if e]
+    stated = [(e, to_fmpq(float(v))) for e, v in zip(equations, right, strict=True) if np.isfinite(v) and (e or v)]
     try:
         solved = complete([(dict(e), r) for e, r in stated], values, scales)
     except Unsolvable:

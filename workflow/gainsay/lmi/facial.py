@@ -18,7 +18,7 @@ from gainsay.exact.rational import fraction_of, to_fmpq
 from gainsay.lmi import scaling
 from gainsay.lmi.affine import Affine, Definite, Entrywise, Equal
 from gainsay.lmi.duality import unscaled
-from gainsay.lmi.exposing import Face
+from gainsay.lmi.exposing import Face, exact_multipliers
 from gainsay.lmi.outcomes import Farkas
 from gainsay.lmi.points import is_strict
 from gainsay.lmi.program import Program, Row
@@ -32,6 +32,32 @@ def refutes(program: Program, face: Face) -> bool:
 
 def told(program: Program, scale: scaling.Scaling, face: Face) -> Farkas:
     """Exact multipliers in floats, by label of the constraints."""
+    value = float(fraction_of(face.value))
+    return Farkas(unscaled(program.constraints, scale, _multipliers(program, face)), value, 0.0, "rational multipliers")
+
+
+def exact_bound(
+    program: Program, scale: scaling.Scaling, multipliers: Sequence[np.ndarray]
+) -> tuple[float, dict[str, np.ndarray]]:
+    """Lower bound on the infimum from exact multipliers near given ones of a scaling, as `duality.lower_bound`."""
+    coordinates = scaling.exact(program, scale)
+    if coordinates is None or not all(np.isfinite(m).all() for m in multipliers):
+        return -np.inf, {}
+    exact, scaled = coordinates
+    for unit, face in exact_multipliers(scaled, program.constraints, scale.multipliers_in(exact, multipliers)):
+        # powers of two: what they multiply is rounded once, and so is the sum
+        weight = to_fmpq(unit) * to_fmpq(float(exact.cost))
+        bound = to_fmpq(float(program.objective.constant[0, 0])) - weight * face.value
+        rounded = float(fraction_of(bound))
+        if to_fmpq(rounded) > bound:
+            rounded = float(np.nextafter(rounded, -np.inf))
+        parts = unscaled(program.constraints, exact, [unit * exact.cost * z for z in _multipliers(program, face)])
+        return rounded, parts
+    return -np.inf, {}
+
+
+def _multipliers(program: Program, face: Face) -> list[np.ndarray]:
+    """Exact multipliers in floats, one a constraint."""
     z = []
     for constraint, row, frame, core in zip(program.constraints, program.rows, face.frames, face.cores, strict=True):
         if isinstance(constraint, Definite):
@@ -42,8 +68,7 @@ def told(program: Program, scale: scaling.Scaling, face: Face) -> Farkas:
             m = np.zeros(row.size)
             m[frame] = [float(fraction_of(v)) for v in core]
         z.append(m)
-    value = float(fraction_of(face.value))
-    return Farkas(unscaled(program.constraints, scale, z), value, 0.0, "rational multipliers")
+    return z
 
 
 def _floats(matrix: fmpq_mat) -> np.ndarray:

@@ -103,15 +103,20 @@ class _Positive:
 
 def refutation(program: Program) -> Farkas | None:
     """Find P that is to be positive and an inequality in it whose matrix is proved to have an eigenvalue outside."""
-    parts = [part for row in program.rows if row.is_matrix for part in _parts(row)]
+    parts: list[_Part] = []
+    runs: list[_Part] = []
     for row in program.rows:
-        for rows in _runs(row) if row.is_matrix else ():
-            part = _part(row, rows)
-            for stated in () if part is None else _completed(part, parts):
-                for positive in _positives(stated, parts):
-                    told = _refuted(program, stated, positive)
-                    if told is not None:
-                        return told
+        if row.is_matrix:
+            positive, equal = _pieces(row), _runs(row)
+            known = {place: _part(row, slice(*place)) for place in {*positive, *equal}}
+            for found, places in ((parts, positive), (runs, equal)):
+                found += [part for place in places if (part := known[place]) is not None]
+    for run in runs:
+        for stated in _completed(run, parts):
+            for basis in _positives(stated, parts):
+                told = _refuted(program, stated, basis)
+                if told is not None:
+                    return told
     return None
 
 
@@ -161,11 +166,9 @@ def _completed(part: _Part, parts: Sequence[_Part]) -> Iterator[_Stated]:
         yield _Stated(part, tensor, tuple(added))
 
 
-def _parts(row: Row) -> list[_Part]:
-    """The whole of a matrix inequality and its block rows, where their constants are not positive."""
-    places = {(0, row.size)} | {(start, start + length) for start, length in _blocks(row)}
-    found = [_part(row, slice(*place)) for place in sorted(places)]
-    return [part for part in found if part is not None]
+def _pieces(row: Row) -> list[tuple[int, int]]:
+    """Ends of the whole of a matrix inequality and of its block rows."""
+    return sorted({(0, row.size)} | {(start, start + length) for start, length in _blocks(row)})
 
 
 def _blocks(row: Row) -> list[tuple[int, int]]:
@@ -179,15 +182,10 @@ def _blocks(row: Row) -> list[tuple[int, int]]:
     return found + [(a, b - a) for a, b in pairwise(cuts)]
 
 
-def _runs(row: Row) -> Iterator[slice]:
-    """Principal parts that may be an inequality: runs of equal block rows, and diagonal blocks cut into equal rows."""
-    seen = set()
-    for start, length in _blocks(row):
-        for count in range(1, _MOST_ROWS + 1):
-            place = (start, start + count * length)
-            if place[1] <= row.size and place not in seen:
-                seen.add(place)
-                yield slice(*place)
+def _runs(row: Row) -> list[tuple[int, int]]:
+    """Ends of what may be an inequality: runs of equal block rows, and diagonal blocks cut into equal rows."""
+    ends = [(start, start + count * length) for start, length in _blocks(row) for count in range(1, _MOST_ROWS + 1)]
+    return list(dict.fromkeys(place for place in ends if place[1] <= row.size))
 
 
 def _part(row: Row, rows: slice) -> _Part | None:

@@ -25,46 +25,66 @@ def region_scales(value: np.ndarray, basis: np.ndarray) -> np.ndarray:
     ndarray, shape (m n,)
     """
     n = len(basis)
-    single = _single(basis)
+    columns = _columns(basis)
     blocks = [slice(start, start + n) for start in range(0, len(value), n)]
-    return _weights(np.concatenate([_ratios(value[rows, rows], basis, single) for rows in blocks]))
+    return _weights(np.concatenate([_ratios(value[rows, rows], basis, columns) for rows in blocks]))
 
 
-def _ratios(value: np.ndarray, basis: np.ndarray, single: dict[tuple[int, int], int]) -> np.ndarray:
-    """Ratios of the rows' scales of one block to those of P, each set of rows that P joins to its own unit.
+def _columns(basis: np.ndarray) -> list[dict[int, list[tuple[int, float]]]]:
+    """For every column of P and every row: unknowns whose P_k has one entry in the column, there, and the entry."""
+    found: list[dict[int, list[tuple[int, float]]]] = []
+    for j in range(len(basis)):
+        by_row: dict[int, list[tuple[int, float]]] = {}
+        for k in np.flatnonzero(np.count_nonzero(basis[:, j], axis=0) == 1):
+            r = int(np.flatnonzero(basis[:, j, k])[0])
+            by_row.setdefault(r, []).append((int(k), float(basis[r, j, k])))
+        found.append(by_row)
+    return found
 
-    With A'E + E A at E = e_i e_j' + e_j e_i', entry (i, q) is a_jq, and twice a_ji for q = i; at e_j e_j', entry (j, q)
-    is a_jq too.
-    """
+
+def _ratios(value: np.ndarray, basis: np.ndarray, columns: list[dict[int, list[tuple[int, float]]]]) -> np.ndarray:
+    """Ratios of the rows' scales of one block to those of P, each set of rows that P joins to its own unit."""
     n = len(basis)
-    own = {place: value[:, :, k] / basis[place][k] for place, k in single.items()}
+    used = np.asarray(basis.any(axis=1))
     h, left = np.zeros(n), set(range(n))
     while left:
         reached, seen = [min(left)], {min(left)}
         h[reached[0]] = 1.0
         for j in reached:
             for i in left - seen:
-                ratio = _step(own, i, j) or 1 / (_step(own, j, i) or np.inf)
+                ratio = _step(value, used, columns, i, j) or 1 / (_step(value, used, columns, j, i) or np.inf)
                 if ratio > 0:
                     h[i] = ratio * h[j]
                     reached.append(i)
                     seen.add(i)
         left -= seen
         if len(reached) < n:  # what is not joined has no unit in common: that of its own coefficients
-            sizes = [abs(own[i, i][i, i]) / h[i] ** 2 for i in reached if (i, i) in own]
+            sizes = [abs(value[i, i, k] / c) / h[i] ** 2 for i in reached for k, c in columns[i].get(i, ())]
             h[reached] *= np.sqrt(max(sizes, default=0.0) or 1.0)
     return h
 
 
-def _step(own: dict[tuple[int, int], np.ndarray], i: int, j: int) -> float:
-    """Ratio of row i to row j; zero where it is not seen."""
-    joint, alone = own.get((min(i, j), max(i, j))), own.get((j, j))
-    if joint is None or alone is None:
-        return 0.0
-    row = np.abs(alone[j])
-    row[j] = 0.0
-    q = int(np.argmax(row))
-    return float(joint[i, q] / alone[j, q]) / (2 if q == i else 1) if row[q] > 0 else 0.0
+def _step(
+    value: np.ndarray, used: np.ndarray, columns: list[dict[int, list[tuple[int, float]]]], i: int, j: int
+) -> float:
+    """Ratio of row i to row j; zero where it is not seen.
+
+    Where P_k and P_l have one entry each in the columns j and i, both in row r, entry (p, j) of A'P_k + P_k A is a_rp
+    times the one, and entry (p, i) of the other a_rp times the other, in rows p that both leave empty; and twice that
+    for p = i.
+    """
+    for r in columns[j].keys() & columns[i].keys():
+        for k, c in columns[j][r]:
+            for m, e in columns[i][r]:
+                row = np.abs(value[:, j, k] / c)
+                row[used[:, k] | used[:, m]] = 0.0
+                row[i] = 0.0 if used[i, k] else np.abs(value[i, j, k] / c)
+                p = int(np.argmax(row))
+                if row[p] > 0:
+                    ratio = float((value[p, i, m] / e) / (value[p, j, k] / c)) / (2 if p == i else 1)
+                    if ratio > 0:
+                        return ratio
+    return 0.0
 
 
 def stein_scales(value: np.ndarray, basis: np.ndarray) -> np.ndarray:
