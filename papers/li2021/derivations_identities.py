@@ -5,10 +5,15 @@ from collections.abc import Iterator
 from gainsay.proof import Certificate, build
 from gainsay.statements import differing, identical, matrix, scalar
 from gainsay.tables import Case
-from papers.li2021.statements import FACTORS, PLANT
+from papers.li2021.statements import (
+    FACTORS,
+    G0_33,
+    G0_33_CORRECTED,
+    PLANT,
+    ROTATION_32,
+    ROTATION_32_CORRECTED,
+)
 
-#: (2) with the entry (3,2) as printed, and as a rotation has it
-PRINTED_32, CORRECTED_32 = "-sf*cp + cf*st*cp", "-sf*cp + cf*st*sp"
 RATE = "[[1, 0, -st], [0, cf, sf*ct], [0, -sf, cf*ct]]"
 EULER_RATES = "[[dphi], [dtheta], [dpsi]]"
 #: the display after (4)
@@ -27,7 +32,7 @@ def rotation(entry: str) -> str:
 
 def kinematics(case: Case) -> tuple[Certificate, ...]:
     """(2) to (6) in this order, and that (2) as printed is no rotation."""
-    R, angles = rotation(CORRECTED_32), "cf sf ct st cp sp"
+    R, angles = rotation(ROTATION_32_CORRECTED.formula), "cf sf ct st cp sp"
     turned = (
         ("R", R),
         ("w", f"({RATE}) @ {EULER_RATES}"),
@@ -65,7 +70,7 @@ def kinematics(case: Case) -> tuple[Certificate, ...]:
             "The matrix of (2) with its entry (3,2) as printed is not orthogonal where sines are 3/5.",
             "R @ R.T",
             "eye(3)",
-            definitions=[("R", rotation(PRINTED_32))],
+            definitions=[("R", rotation(ROTATION_32.formula))],
             at={name: MEETING[name] for name in angles.split()},
         ),
         identical(
@@ -152,7 +157,7 @@ def factorisation(case: Case, which: str) -> Certificate:
 #: where (6) and its factors are misprinted: id, sentence, two formulas that differ, quantity
 MISPRINTS = (
     ("g0-parentheses", "G0(3,3) as printed, n^2 J20 - J10, is not n^2 (J20 - J10).",
-     "n**2 * J2 - J1", "n**2 * (J2 - J1)", "misprint.g0"),
+     G0_33.formula, G0_33_CORRECTED.formula, "misprint.g0"),
     ("d0-third-row", "D0 as printed, with two rows, is not D(J0) of (6).",
      "n * (J1 + J3 - J2) * turn[0:2, 0:3]", "D0", "misprint.d0"),
     ("gamma-d-third-row", "The third row of Gamma_D as printed, filled with zeros, is not the one needed.",

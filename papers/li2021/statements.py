@@ -4,7 +4,7 @@ Rows 1a and 1b are the two halves of the first block row of (13), 5a and 5b thos
 and (17) are lost in the text; (13) is rebuilt from (15), (16) and Lemma 1, with eps2 in one of two places.
 """
 
-from gainsay.statements import Statement, matrix, positive, symmetric
+from gainsay.statements import Statement, matrix, positive, scalar, symmetric
 
 #: (10): the matrices with a tilde and a bar, gains with their variation (Ad, Bd, Cd for A_Delta_f, ...)
 LOOP = {
@@ -93,8 +93,14 @@ UNCERTAIN_UNKNOWNS = {
     "L": matrix(6, 12),
     "K": matrix(12, 6),
 }
-#: r stands for b^2/a, g for gamma^2
 SCALARS = {name: positive() for name in ("a", "r", "lam", "g")}
+#: how (12) writes what the formulas name
+NOTATION = {
+    **{f"{letter}_t": rf"\tilde{{{letter}}}" for letter in "ABCE"},
+    "W_t": r"\bar{W}_{0}",
+    "r": r"\frac{b^{2}}{a}",
+    "g": r"\gamma^{2}",
+}
 
 EQ12 = Statement(
     "(12)",
@@ -116,9 +122,36 @@ EQ12 = Statement(
         ("6", "6"): "-a * P",
     },
     unknowns={"P": symmetric(12), **LOOP_UNKNOWNS, **SCALARS},
+    notation=NOTATION,
 )
 #: erratum `lemma-3`: with e = Delta W xi' in (1,2) and (2,6) as the disk needs it
 EQ12_CORRECTED = EQ12.corrected({("1", "2"): "", ("2", "6"): "-E_t.T @ P"})
+#: entry (3,2) of the rotation (2), and entry (3,3) of G0, as printed and as rotation and (6) have them
+ROTATION_32 = Statement(
+    "entry (3,2) of (2)",
+    "Section II.A",
+    ("entry",),
+    {("entry", "entry"): "-sf*cp + cf*st*cp"},
+    unknowns={f"{function}{angle}": scalar() for function in "sc" for angle in "ftp"},
+    notation={
+        f"{function}{angle}": rf"{function}\{letter}"
+        for function in "sc"
+        for angle, letter in (("f", "phi"), ("t", "theta"), ("p", "psi"))
+    },
+)
+ROTATION_32_CORRECTED = ROTATION_32.corrected({("entry", "entry"): "-sf*cp + cf*st*sp"})
+G0_33 = Statement(
+    "entry (3,3) of G0",
+    "Section II.B",
+    ("entry",),
+    {("entry", "entry"): "n**2 * J2 - J1"},
+    unknowns={},
+    where=dict(PLANT),
+    notation={"J1": "J_{10}", "J2": "J_{20}"},
+)
+G0_33_CORRECTED = G0_33.corrected({("entry", "entry"): "n**2 * (J2 - J1)"})
+#: what the errata follow from
+EDITIONS = (EQ12_CORRECTED, ROTATION_32_CORRECTED, G0_33_CORRECTED)
 EQ_A1 = Statement(
     "(A.1)",
     "Appendix I",

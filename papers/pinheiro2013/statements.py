@@ -133,6 +133,7 @@ def equation_21(size: Mapping[str, int], where: Mapping[str, str], gamma_squared
         },
         unknowns={"X": symmetric(size["states"]), "Y": matrix(size["inputs"], size["states"])},
         where={**where, "gamma2": gamma_squared},
+        notation={"gamma2": r"\gamma^{2}"},
     )
 
 
@@ -140,6 +141,10 @@ def corrected_21(size: Mapping[str, int], where: Mapping[str, str], gamma_square
     """First LMI of (21) with the sign that the bounded real lemma gives block (3,3); erratum `eq21-gamma-sign`."""
     error = f"-gamma2*eye({size['errors']})"
     return equation_21(size, where, gamma_squared).corrected({("error", "error"): error})
+
+
+#: what the errata follow from; the sizes are those of pitch
+EDITIONS = (corrected_21({"states": 2, "inputs": 1, "disturbances": 4, "errors": 3}, {}, "number('gamma_mixed')**2"),)
 
 
 def second_21(size: Mapping[str, int], where: Mapping[str, str]) -> Statement:

@@ -65,6 +65,8 @@ EQ14 = _statement(
         ("Q", "Q"): "-inverse(Q)",
     },
 )
+#: without the row that says eps > 0 again and without the second column of the input
+EQ14_CORRECTED = EQ14.corrected({}, without=("0", "u again"))
 
 EQ15 = _statement(
     "(15)",
@@ -132,6 +134,8 @@ EQ29 = _statement(
     {("rho", "rho"): "rho", ("rho", "x"): "x0.T", ("rho", "e"): "e0.T", ("x", "x"): "-P", ("e", "e"): "-P"},
 )
 EQ29_CORRECTED = EQ29.corrected({("rho", "rho"): "-rho", ("x", "x"): "-inverse(P)", ("e", "e"): "-inverse(P)"})
+#: what the errata follow from
+EDITIONS = (EQ14_CORRECTED, EQ29_CORRECTED)
 #: Theorem 3 with rho^-1 as the unknown
 INVERSE = {"inverse_rho": positive(), "w": positive()}
 EQ30 = _statement(

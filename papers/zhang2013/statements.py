@@ -159,6 +159,14 @@ ROWS = ("x", "e", "x'", "e'", "x_d", "e_d", "x_M", "e_M", "w1", "w2'", "y")
 #: entries of the block rows
 SIZES = {"x": 2, "e": 1, "x'": 2, "e'": 1, "x_d": 2, "e_d": 1, "x_M": 2, "e_M": 1, "w1": 1, "w2'": 1, "y": 1}
 OFFSETS = {row: sum(list(SIZES.values())[:i]) for i, row in enumerate(ROWS)}
+#: how (23) writes what the formulas name
+NOTATION_23 = {
+    **{name: rf"\hat{{{name[0]}}}_{{{name[1:]}}}" for name in ("P11", "Q11", "Q21", "R1")},
+    "X": r"\hat{P}_{21}",
+    "l1": r"\lambda_{1}",
+    "l2": r"\lambda_{2}",
+    "g": r"\gamma^{2}",
+}
 LAMBDAS = {"l1": PLUS, "l2": "number('lambda2')"}
 
 
@@ -220,6 +228,7 @@ def equation_23(part: str) -> Statement:
         },
         unknowns=UNKNOWNS_23,
         where={**PLANT, **LAMBDAS},
+        notation=NOTATION_23,
     )
 
 
@@ -234,11 +243,13 @@ def without_block_26(part: str) -> Statement:
     return corrected_23(part).corrected({("e", "e_d"): ""}, edition="without (2,6)")
 
 
-EDITIONS: dict[str, Callable[[str], Statement]] = {
+FORMS: dict[str, Callable[[str], Statement]] = {
     "printed": equation_23,
     "corrected": corrected_23,
     "without (2,6)": without_block_26,
 }
+#: what the errata follow from
+EDITIONS = tuple(corrected_23(part) for part in PARTS)
 UNKNOWNS_26 = {
     **SIGNED,
     "P21": matrix(2, 2),
@@ -333,7 +344,7 @@ def structured_theorem_1(case: Any, loop: dict[str, str], **texts: str) -> State
 def theorem_2(case: Any, edition: str = "corrected", level: str = "0", **texts: str) -> Stated:
     """(23a), (23b) and the sign conditions, each by a level; `texts` define l1, M, N, ... otherwise."""
     side: Any = 0 if level == "0" else f"-{level} * eye(15)"
-    held = [EDITIONS[edition](part).defining(texts) < side for part in PARTS]
+    held = [FORMS[edition](part).defining(texts) < side for part in PARTS]
     more = {**UNKNOWNS_23, **GAMMA_SQUARED, "t": scalar()}
     unknowns = {name: unknown for name, unknown in more.items() if name not in texts}
     return Stated(case, [*held, positive_definite(level)], unknowns=unknowns, label=f"(23) {edition}")

@@ -1,3 +1,5 @@
+import csv
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from gainsay.tables.designs import FoundDesign, write_design
 from gainsay.tables.files import read_records, write_atomically, write_csv, write_json
 from gainsay.tables.models import Recorded
 from gainsay.verdicts.differences import differences, scan_differences
+from gainsay.verdicts.errata import with_results
 from gainsay.verdicts.evidence import read_evidence
 from gainsay.verdicts.record import record_paper
 from gainsay.verdicts.tolerance import decimal_above, share
@@ -124,6 +127,66 @@ def test_an_erratum_without_its_witness_is_a_difference(clean):
     clean.edit("errata.csv", "audit.length", "audit.length gone")
     run(clean)
     assert items(clean) == {("erratum", "sign")}
+
+
+EDITIONS = """
+from gainsay.statements import Statement
+PRINTED = Statement("(21)", "Theorem 1", ("x", "z"), {("x", "z"): "C.T", ("z", "z"): "g*eye(2)"}, {})
+EDITIONS = (PRINTED.corrected({("z", "z"): "-g*eye(2)"}),)
+"""
+
+
+def of_a_statement(project, edition):
+    """Let the erratum follow from an edition of a statement of the toy paper."""
+    path = project.file("errata.csv")
+    header, *rows = csv.reader(path.read_text().splitlines())
+    places = header.index("printed"), header.index("corrected")
+    rows = [[("" if i in places else cell) for i, cell in enumerate(row)] + [edition] for row in rows]
+    write_csv(path, [*header, "edition"], rows)
+    write_atomically(project.file("statements.py"), EDITIONS)
+    write_atomically(project.root / "papers" / "__init__.py", "")
+
+
+def test_the_texts_of_an_erratum_are_typeset_from_its_edition(clean):
+    of_a_statement(clean, "(21) corrected: (2,2)")
+    case = run(clean)
+    assert items(clean) == {("erratum", "sign")}  # nothing says it yet
+    compare(case)
+    assert items(clean) == set()
+    (row,) = csv.DictReader((case.results / "errata.csv").read_text().splitlines())
+    assert (row["id"], row["printed"], row["corrected"]) == ("sign", "$g I$ in block (2,2)", "$-g I$ in block (2,2)")
+    assert with_results(case).errata["sign"].corrected == "$-g I$ in block (2,2)"
+
+
+@pytest.mark.parametrize(
+    ("edition", "module", "said"),
+    [
+        ("(21) corrected: (1,2)", EDITIONS, "one of (2,2)"),
+        ("(12) corrected", EDITIONS, "(21) corrected"),
+        ("(21) corrected: (2,2)", "import no_such_module", "no_such_module"),
+    ],
+)
+def test_an_erratum_that_no_edition_bears_out_is_a_difference(clean, capsys, edition, module, said):
+    of_a_statement(clean, edition)
+    write_atomically(clean.file("statements.py"), module)
+    compare(run(clean))
+    assert items(clean) == {("erratum", "sign")}
+    assert said in capsys.readouterr().out
+    assert with_results(clean.case()).errata["sign"].printed == edition  # the page says which edition was meant
+
+
+@pytest.mark.parametrize(
+    ("printed", "edition", "field"),
+    [("$A$", "(21) corrected", "printed"), ("", "", "printed"), ("", "(21): 2,2", "edition")],
+)
+def test_an_erratum_says_its_texts_once(clean, printed, edition, field):
+    of_a_statement(clean, edition)
+    rows = list(csv.reader(clean.file("errata.csv").read_text().splitlines()))
+    rows[1][rows[0].index("printed")] = printed
+    write_csv(clean.file("errata.csv"), rows[0], rows[1:])
+    with pytest.raises(InputError) as refused:
+        clean.case()
+    assert refused.value.field == field
 
 
 def test_what_is_not_a_certificate_is_refused_and_is_a_difference(clean):

@@ -30,8 +30,8 @@ def at(text: str) -> np.ndarray:
 def test_rotation_is_that_of_scipy():
     # scipy turns body components into those of the frame, by yaw, pitch and roll about moving axes
     expected = Rotation.from_euler("ZYX", [ANGLES[name] for name in ("psi", "theta", "phi")]).as_matrix().T
-    assert np.allclose(at(identities.rotation(identities.CORRECTED_32)), expected, atol=1e-15)
-    assert not np.allclose(at(identities.rotation(identities.PRINTED_32)), expected, atol=1e-2)
+    assert np.allclose(at(identities.rotation(identities.ROTATION_32_CORRECTED.formula)), expected, atol=1e-15)
+    assert not np.allclose(at(identities.rotation(identities.ROTATION_32.formula)), expected, atol=1e-2)
 
 
 def test_identities_hold(case):
@@ -41,7 +41,7 @@ def test_identities_hold(case):
 
 
 def test_printed_rotation_is_refused(case, monkeypatch):
-    monkeypatch.setattr(identities, "CORRECTED_32", identities.PRINTED_32)
+    monkeypatch.setattr(identities, "ROTATION_32_CORRECTED", identities.ROTATION_32)
     with pytest.raises(CertificateError, match=r"eq2-rotation"):
         identities.kinematics(case)
 

@@ -256,3 +256,13 @@ def test_a_wrong_sign_is_no_derivation(monkeypatch):
     monkeypatch.setattr(derivations, "EQ15", wrong)
     with pytest.raises(CertificateError, match="not proved to be the sum"):
         derivations.structure(CASE, Kept())
+
+
+def test_entries_of_the_rotation_and_of_g0():
+    # -s phi c psi + c phi s theta c psi of (2); n^2 J20 - J10 of G0(3,3)
+    sf, cf, st_, cp = RNG.normal(size=4)
+    at = {"sf": sf, "cf": cf, "st": st_, "cp": cp}
+    texts = {name: repr(float(number)) for name, number in at.items()}
+    assert Floats(CASE, texts, {}).constant(st.ROTATION_32.formula) == pytest.approx(-sf * cp + cf * st_ * cp)
+    n, J10, J20 = (CASE.number(name) for name in ("orbital_rate", "J10", "J20"))
+    assert Floats(CASE, dict(st.PLANT), {}).constant(st.G0_33.formula) == pytest.approx(n**2 * J20 - J10)

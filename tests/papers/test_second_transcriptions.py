@@ -29,9 +29,10 @@ SECOND = {
 }
 #: statements of ours, that no paper prints, and editions, which are made of the printed ones
 OWN = {
-    "li2021": {"linear_13", "falling", "EQ12_CORRECTED"},
+    "li2021": {"linear_13", "falling", "EQ12_CORRECTED", "ROTATION_32_CORRECTED", "G0_33_CORRECTED"},
     "pinheiro2013": {"corrected_21"},
-    "wan2014": {"_statement", "dissipation", "_of_axis", "EQ25_CORRECTED", "EQ29_CORRECTED", "EQ31_ONE_ROW", "FEEDBACK",
+    "wan2014": {"_statement", "dissipation", "_of_axis", "EQ14_CORRECTED",
+                "EQ25_CORRECTED", "EQ29_CORRECTED", "EQ31_ONE_ROW", "FEEDBACK",
                 "FEEDBACK_TIMES_RHO", "START_TIMES_RHO", "THRUST_TIMES_RHO", "JOINT", "JOINT_START", "MULTIPLIERS",
                 "DECAY"},
     "zhang2013": {"without_slack", "without_block_26", "corrected_23", "corrected_26", "_nine"},

@@ -22,7 +22,7 @@ from papers.zhang2013.plant import Spacecraft
 from papers.zhang2013.proofs import gains_of as formulas_of
 from papers.zhang2013.searches import gains_of
 from papers.zhang2013.statements import (
-    EDITIONS,
+    FORMS,
     OFFSETS,
     PARTS,
     PRINTED_LOOP,
@@ -150,7 +150,7 @@ def test_a_form_is_positive_for_every_lambda1_up_to_zero(seed, lambda1, edition)
     for row, factor in (("x", lambda1), ("x'", -1.0), ("x_d", lambda1), ("x_M", lambda1)):
         start = OFFSETS[row]
         z[start : start + 2] = factor * v
-    F = left_side(EDITIONS[edition]("a"), point, l1=lambda1)
+    F = left_side(FORMS[edition]("a"), point, l1=lambda1)
     assert z @ F @ z > 0
 
 
@@ -361,7 +361,7 @@ def by_cvxpy(edition: str, **numbers: float):
     origin = {name: np.zeros(value.shape) for name, value in values.items()}
     sides = []
     for part in PARTS:
-        statement = EDITIONS[edition](part)
+        statement = FORMS[edition](part)
         constant = left_side(statement, origin, **numbers)
         side = cp.Constant(constant)
         for name, value in values.items():

@@ -6,7 +6,7 @@ digits stands in angle brackets, a matrix of a design of ours carries the design
 
 import ast
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TypeGuard
 
 from gainsay.errors import CertificateError
@@ -89,8 +89,9 @@ def _matrix(rows: Sequence[Sequence[str]]) -> str:
 
 
 class _Typesetter:
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, notation: Mapping[str, str]) -> None:
         self.text = one_line(text)
+        self.notation = notation
 
     def fail(self, node: ast.AST) -> CertificateError:
         return CertificateError(f"formula {self.text[:80]!r}: {type(node).__name__} cannot be typeset")
@@ -109,7 +110,7 @@ class _Typesetter:
             case ast.Constant(value=value):
                 return self.constant(node, value)
             case ast.Name(id=name):
-                shown = name_tex(name)
+                shown = self.notation.get(name) or name_tex(name)
                 return shown, _POWER if "^" in shown else _ATOM
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 return f"-{self.at_least(operand, _PRODUCT)}", _SIGNED if self.is_number(operand) else _SUM
@@ -275,12 +276,14 @@ class _Typesetter:
         return rf"\sqrt{{{self.plain(nodes[0])}}}", _ATOM
 
 
-def tex(text: str) -> str:
+def tex(text: str, notation: Mapping[str, str] | None = None) -> str:
     r"""Return a formula or a constraint of the checker's language as TeX.
 
     Parameters
     ----------
     text : str
+    notation : mapping of str to str, optional
+        How the paper writes names that would be typeset otherwise: ``{"g": r"\gamma^{2}"}``.
 
     Returns
     -------
@@ -298,6 +301,6 @@ def tex(text: str) -> str:
     '\\operatorname{sym}\\left(A X - B Y\\right) + \\varepsilon E_{1} E_{1}^{\\top} < 0'
     """
     try:
-        return _Typesetter(text).plain(parse(text))
+        return _Typesetter(text, notation or {}).plain(parse(text))
     except RecursionError:
         raise CertificateError(f"formula {one_line(text)[:80]!r}: nested too deeply to be typeset") from None

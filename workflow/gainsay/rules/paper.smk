@@ -107,6 +107,7 @@ for paper in ALL:
         output:
             captioned(paper, "published", f"results/{paper}/published.csv"),
             captioned(paper, "differences", f"results/{paper}/differences.csv"),
+            f"results/{paper}/errata.csv",
             listing(paper, "compare"),
         log:
             said(paper, "compare"),

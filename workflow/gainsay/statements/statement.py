@@ -6,7 +6,7 @@ editions (as printed, as corrected) share the text and name the cells that diffe
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from gainsay.errors import InputError
@@ -101,6 +101,10 @@ class Statement:
         Nothing for the text as printed.
     differences : tuple of Cell
         Cells that differ from the edition it was made of.
+    printed_rows : sequence of str
+        Block rows of the edition it was made of: they number its cells.
+    notation : mapping of str to str
+        Names that the paper writes otherwise than the formulas spell them, as TeX.
 
     Raises
     ------
@@ -126,6 +130,8 @@ class Statement:
     where: Definitions = lambda case: {}  # no definitions
     edition: str = ""
     differences: tuple[Cell, ...] = ()
+    printed_rows: Sequence[str] = ()
+    notation: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.rows or len(set(self.rows)) != len(self.rows):
@@ -204,7 +210,7 @@ class Statement:
         rows = [row for row in self.rows if row not in gone]
         kept = {place: text for place, text in places.items() if not set(place) & gone}
         other = replace(self, label=f"{self.label} {edition}", rows=rows, blocks=kept, edition=edition, differences=())
-        return replace(other, differences=tuple(_differing(self, other)))
+        return replace(other, differences=tuple(_differing(self, other)), printed_rows=self.rows)
 
     def given(self, label: str | None = None, /, **values: object) -> "Statement":
         """Return the member of a family: every ``{name}`` in label and blocks becomes the value's text.

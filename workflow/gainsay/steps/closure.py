@@ -25,7 +25,7 @@ PAPER_MODULES = {
     "figures": ("figures",),
     "views": ("runs",),
     "verdicts": (),
-    "compare": (),
+    "compare": ("statements",),
     "page": ("campaigns",),
     "report": (),
 }

@@ -11,6 +11,7 @@ from gainsay.tables.files import read_csv
 from gainsay.tables.models import Claim
 from gainsay.tables.units import with_unit
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
+from gainsay.verdicts.errata import with_results
 from gainsay.verdicts.table import outcomes
 
 _WIDTH = 16
@@ -83,7 +84,7 @@ def _parts(case: Case, claim: Claim) -> Iterator[tuple[str, str]]:
     for reply in case.replies_to(claim.id):
         who = f", says {reply.who}" if reply.who else ""
         yield "reply", f"disputed{who}: {reply.disputed}; on the ground: {reply.ground}; done: {reply.done}"
-    for erratum in case.errata.values():
+    for erratum in with_results(case).errata.values():
         if set(erratum.witness.split()) & {*claim.quantity.split(), *found["certificate"].split()}:
             yield "erratum", f"{erratum.id}: {erratum.printed} -> {erratum.corrected}"
 

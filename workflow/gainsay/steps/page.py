@@ -8,12 +8,13 @@ from gainsay.steps.campaign import gathered_digests
 from gainsay.steps.closure import PAPER_MODULES, sources
 from gainsay.steps.command import step_command
 from gainsay.tables import Case
+from gainsay.verdicts.errata import with_results
 
 
 def results_of(case: Case) -> PaperResults:
     """Return all that pages say of a paper."""
     code = {file for step in PAPER_MODULES for file in sources(case.root, step, case.name)}
-    return read_results(case, sorted(code), gathered_digests(case))
+    return read_results(with_results(case), sorted(code), gathered_digests(case))
 
 
 def page(case: Case) -> None:

@@ -8,7 +8,7 @@ from gainsay.errors import InputError, nearest, one_of
 from gainsay.exact.digits import PrintedNumber, double
 from gainsay.tables.campaigns import faults as campaign_faults
 from gainsay.tables.case import Case
-from gainsay.tables.models import Claim, Toleranced
+from gainsay.tables.models import Claim, Erratum, Toleranced
 from gainsay.tables.thresholds import published_ends, reading_faults, thresholds
 from gainsay.tables.units import to_si
 
@@ -278,6 +278,8 @@ def lint(case: Case) -> None:
     for row, claim, field, expected in _sentence_faults(case):
         file, value = f"papers/{case.name}/claims.csv", getattr(claim, field)
         raise InputError(f"claim {claim.id}:", file=file, row=row, field=field, value=value, expected=expected)
+    for row, erratum in enumerate(case.errata.values(), start=_ROW_OF_FIRST):
+        _refuse_first(_erratum_faults(erratum), f"papers/{case.name}/errata.csv", row)
     for row, reply in enumerate(case.replies, start=_ROW_OF_FIRST):
         if reply.claim not in case.claims:
             faults = [("claim", reply.claim, one_of(reply.claim, case.claims))]
@@ -298,6 +300,16 @@ def lint(case: Case) -> None:
         _refuse_first(faults, f"papers/{case.name}/recorded_scans.csv", row)
     for row, campaign in enumerate(case.campaigns.values(), start=_ROW_OF_FIRST):
         _refuse_first(campaign_faults(case, campaign), f"papers/{case.name}/campaigns.csv", row)
+
+
+def _erratum_faults(erratum: Erratum) -> Iterator[tuple[str, str, str]]:
+    """Yield what an erratum says twice, or not at all: its texts stand in the table or follow from an edition."""
+    for field in ("printed", "corrected"):
+        text = getattr(erratum, field)
+        if text and erratum.edition:
+            yield field, text, f"nothing, since it follows from {erratum.edition}"
+        if not text and not erratum.edition:
+            yield field, text, "what stands there, or should; or an edition that says so"
 
 
 def _measure_faults(case: Case, quantity: str, text: str) -> Iterator[tuple[str, str, str]]:

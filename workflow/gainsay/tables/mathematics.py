@@ -183,6 +183,7 @@ def plain(sentence: str) -> str:
             continue
         text = re.sub(r"\\(?:mathrm|mathbb|mathcal|operatorname|text)\{([^{}]*)\}", r"\1", piece)
         text = re.sub(r"\\(bar|hat|tilde|dot|ddot) ?(?:\{([^{}]*)\}|(\\[A-Za-z]+|\w))", r"\2\3\1", text)
+        text = re.sub(r"([_^])\{([^{}]*)\}", _script, text)  # first, so that fractions hold no braces
         text = re.sub(r"\\frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)", text)
         text = re.sub(r"\\sqrt\{([^{}]*)\}", r"sqrt(\1)", text)
         text = re.sub(r"\\(?:begin|end)\{\w+\}", "", text)

@@ -64,6 +64,9 @@ Slug = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]*$", max_l
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=100)]
 QuantityId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+(\.[a-z0-9_]+)*$", max_length=100)]
 Measured = Annotated[str, StringConstraints(pattern=r"^(less|more)( [a-z0-9_.]*\{\}[a-z0-9_.]*)+$")]
+#: label of an edition, and the blocks meant; a statement without blocks has none
+EDITION = r"[^:;]+[^:; ](?:: \(\d+,\d+\)(?: \(\d+,\d+\))*)?"
+EDITIONS = rf"^(?:{EDITION}(?:; {EDITION})*)?$"
 Unit = Annotated[str, AfterValidator(_unit)]
 Decimal = Annotated[str, AfterValidator(_decimal)]
 DecimalOrEmpty = Annotated[str, AfterValidator(_decimal_or_empty)]
@@ -177,12 +180,17 @@ class Erratum(Row):
 
     id: Slug = Field(description="identifier of the erratum")
     where: Filled = Field(description="where the paper prints it")
-    printed: Filled = Field(description="what stands there")
-    corrected: Filled = Field(description="what should stand there")
+    printed: Text = Field(description="what stands there; empty where `edition` says")
+    corrected: Text = Field(description="what should stand there; empty where `edition` says")
     effect: Filled = Field(description="what follows from the difference")
     witness: Filled = Field(description="the quantity or certificate that shows it")
     weight: Weight = Field(default="", description="as of a claim that does not hold")
     ocr: Scan = Field(default="", description="whether the scan of the text could be to blame")
+    edition: Annotated[str, StringConstraints(pattern=EDITIONS)] = Field(
+        default="",
+        description="of a statement: the editions that correct it and the blocks that differ, "
+        "`(12) corrected: (1,2) (2,6)`, several parted by `;`; both texts are then typeset from them",
+    )
 
 
 class Reply(Row):

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from gainsay.results.returned import read_returned
 from gainsay.tables import Case
 from gainsay.tables.models import Toleranced
+from gainsay.verdicts.errata import unsaid
 from gainsay.verdicts.record import certificates_of, reads_of, scan_items, scans_of
 from gainsay.verdicts.tolerance import allowed, share
 
@@ -98,6 +99,8 @@ def _witness_differences(case: Case) -> Iterator[Difference]:
         for witness in erratum.witness.split():
             if witness not in quantities | accepted:
                 yield case.name, "erratum", erratum.id, witness, "", "its witness does not exist"
+    for erratum in unsaid(case):
+        yield case.name, "erratum", erratum.id, erratum.edition, "", "the editions of statements.py do not say so"
 
 
 def differences(case: Case) -> list[Difference]:
