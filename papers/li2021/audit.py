@@ -22,11 +22,21 @@ from papers.li2021.plant import Gains
 from papers.li2021.proofs_full_model import FLEXIBLE, torque_over_inputs
 from papers.li2021.proofs_lemma3 import corrected_disk, disk_of_lemma_3
 from papers.li2021.proofs_requirements import COMPARISON, PRINTED
+from papers.li2021.response import METHOD, STEPS, FlexibleLoop
 from papers.li2021.statements import PLANT
 
 FORMULAS = {"proposed": PRINTED, "comparison": COMPARISON}
 LOOP = (("Acl", "[[A0, B @ Cf], [Bf @ C, Af]]"), ("Bcl", "col(B, zeros(6, 3))"), ("Ccl", "row(C, zeros(3, 6))"))
 MU_EARTH = Fraction("3.986004418e14")
+#: what is measured of a response of the full model, see `response.FlexibleLoop.extremes`
+MEASURED_IN_TIME = (
+    "peak_torque",
+    "residual_angle",
+    "residual_rate",
+    "settling_time",
+    "peak_mode",
+    "residual_mode",
+)
 
 
 def reduced_loop(case: Case, gains: Gains) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -207,12 +217,20 @@ def flexible_loop(case: Case, results: Results) -> None:
     results.say("(6) with (8)", "stable, and outside the disk that the reduced loop keeps")
 
 
-def audit_controller(case: Case, results: Results, name: str) -> tuple[float, float]:
-    """Every quantity of one controller that needs no simulation; return its norm and how far poles lie from -1.01."""
+def measure(case: Case, results: Results, name: str, *quantities: str) -> str:
+    """Measure a controller on the models of the paper and under other gains; return what was found in a few words.
+
+    Parameters
+    ----------
+    case, results : Case, Results
+    name : str
+        Of the controller.
+    *quantities : str
+        Those that stand in balls over the digits of its gains, see `plant.enclosed_loop`.
+    """
     gains = plant.controller(case, name)
     A, B, C = reduced_loop(case, gains)
     disk, k = disk_of(case), plant.constants(case)
-    bounds = hinf_enclosure(A, B, C)
     flexible = plant.closed_loop(plant.flexible(k), gains)
     worst, worst_abscissa, where = vertices(case, gains)
     static = -C @ np.linalg.solve(A, B @ plant.disturbance(case, k) @ np.array([1.0, 0.0, 1.0]))
@@ -222,16 +240,8 @@ def audit_controller(case: Case, results: Results, name: str) -> tuple[float, fl
         "abscissa": "eigenvalues of (10), in balls over the printed digits",
     }
     poles = plant.enclosed_loop(case, name)
-    for quantity, method in methods.items():
-        results.quantity(f"audit.{name}.{quantity}", **poles[quantity], method=method, source="Section IV")
-    results.quantity(
-        f"audit.{name}.hinf",
-        bounds.lower,
-        lower=bounds.lower,
-        upper=bounds.upper,
-        source="Section IV",
-        method=f"exact Hamiltonian of the doubles, attained at {bounds.frequency:.3g} rad/s",
-    )
+    for quantity in quantities:
+        results.quantity(f"audit.{name}.{quantity}", **poles[quantity], method=methods[quantity], source="Section IV")
     rows = {
         "flexible_abscissa": (HalfPlane().reach(flexible), "eigenvalues of (6) with (8), 20 states"),
         "flexible_disk_radius": (disk.reach(flexible), "largest |s + 1.01| over the 20 eigenvalues of (6) with (8)"),
@@ -245,9 +255,23 @@ def audit_controller(case: Case, results: Results, name: str) -> tuple[float, fl
     }
     for quantity, (value, method) in rows.items():
         results.quantity(f"audit.{name}.{quantity}", float(value), method=method, source="Section IV")
-    reach = poles["disk_radius"]["value"]
-    found = f"disk {reach:.4f}, norm {bounds.lower:.4f}, vertices {worst:.4f}, unstable {share:.4f}"
-    results.say(f"Section IV, {name}", found)
+    return f"vertices {worst:.4f}, unstable {share:.4f}"
+
+
+def audit_controller(case: Case, results: Results, name: str) -> tuple[float, float]:
+    """Every quantity of one controller that needs no simulation; return its norm and how far poles lie from -1.01."""
+    bounds = hinf_enclosure(*reduced_loop(case, plant.controller(case, name)))
+    results.quantity(
+        f"audit.{name}.hinf",
+        bounds.lower,
+        lower=bounds.lower,
+        upper=bounds.upper,
+        source="Section IV",
+        method=f"exact Hamiltonian of the doubles, attained at {bounds.frequency:.3g} rad/s",
+    )
+    found = measure(case, results, name, "disk_radius", "abscissa")
+    reach = plant.enclosed_loop(case, name)["disk_radius"]["value"]
+    results.say(f"Section IV, {name}", f"disk {reach:.4f}, norm {bounds.lower:.4f}, {found}")
     return bounds.lower, reach
 
 
@@ -268,6 +292,36 @@ def designs(case: Case, results: Results) -> None:
     """Audit our own designs the same way."""
     for name in ("repaired", "best"):
         audit_controller(case, results, name)
+
+
+@task("trade-off")
+def tradeoff(case: Case, results: Results) -> None:
+    """Measure the points of the trade-off beside the printed gains.
+
+    No claim rests on what is simulated here, and no log is kept of it.
+    """
+    for name in (name for name in case.designs if name.startswith("tradeoff_")):
+        results.say(f"trade-off, {name}", measure(case, results, name, "abscissa"))
+        loop = FlexibleLoop(case, plant.controller(case, name))
+        first, second = (loop.extremes(loop.solve(steps)) for steps in (STEPS, 2 * STEPS))
+        for quantity in (
+            "peak_torque",
+            "residual_angle",
+            "residual_rate",
+            "settling_time",
+            "peak_mode",
+            "residual_mode",
+        ):
+            value = first[quantity][1]
+            band = 2 * abs(value - second[quantity][1])
+            results.quantity(
+                f"audit.{name}.{quantity}",
+                value,
+                lower=value - band,
+                upper=value + band,
+                source="Section IV",
+                method=METHOD,
+            )
 
 
 @task("(6), small angles")
@@ -315,6 +369,7 @@ TASKS = (
     comparison,
     flexible_loop,
     designs,
+    tradeoff,
     small_angles,
     torque_over_inputs,
     disk_of_lemma_3,

@@ -16,6 +16,26 @@ INERTIAS = {"nominal": (0, 0, 0), "heavy": (1, -1, 1), "light": (-1, 1, -1)}
 WINDOW = 100.0
 #: how long the drawn factors of the gains are held, as `redrawn` has it, by reading of Figures 8 and 9
 HOLDS = {"constant": "constant", "fast": "0.1", "slow": "1"}
+#: maps a period of the variation
+STEPS = 40
+METHOD = f"Magnus maps, {STEPS} steps a period, continuous time; band: twice the change at half the step"
+#: an angle has settled once it stays below this part of the largest one at the start
+SETTLED = 0.05
+
+
+def angle_size(t: np.ndarray, state: np.ndarray) -> np.ndarray:
+    """Largest modulus of the three angles, rad."""
+    return np.abs(state[..., ANGLES]).max(axis=-1)
+
+
+def rate_size(t: np.ndarray, state: np.ndarray) -> np.ndarray:
+    """Largest modulus of the three Euler rates, rad/s."""
+    return np.abs(state[..., RATES]).max(axis=-1)
+
+
+def mode_size(t: np.ndarray, state: np.ndarray) -> np.ndarray:
+    """Largest modulus of the modal coordinates, kg^0.5 m."""
+    return np.abs(state[..., MODES]).max(axis=-1)
 
 
 class FlexibleLoop:
@@ -80,7 +100,7 @@ class FlexibleLoop:
         state[[20, 22]] = 1
         return state
 
-    def solve(self, steps: int = 40) -> PeriodicSolution:
+    def solve(self, steps: int = STEPS) -> PeriodicSolution:
         """Solution over the horizon, by fundamental-matrix maps over one period of the variation."""
         period = 2 * np.pi / self.rate
         return PeriodicSolution(self, period, self.start(), round(self.case.number("horizon") / period), steps)
@@ -96,6 +116,30 @@ class FlexibleLoop:
     def peak(self, solution: PeriodicSolution) -> Extreme:
         """Largest norm of the torque over continuous time."""
         return solution.largest(self.torque_size)
+
+    def extremes(self, solution: PeriodicSolution) -> dict[str, tuple[float, float, str]]:
+        """Located numbers of a run: name -> (time, value, unit)."""
+        torque = self.peak(solution)
+        first = float(np.abs(self.start()[ANGLES]).max())
+        end = float(solution.times[-1])
+        settled = solution.last_exit(angle_size, SETTLED * first)
+        residual = solution.largest(angle_size, after=end - WINDOW)
+        rate = solution.largest(rate_size, after=end - WINDOW)
+        modes, quiet = solution.largest(mode_size), solution.largest(mode_size, after=end - WINDOW)
+        return {
+            "peak_torque": (torque.time, torque.value, "N m"),
+            "first_angle": (0.0, first, "rad"),
+            "residual_angle": (residual.time, residual.value, "rad"),
+            "first_rate": (0.0, float(np.abs(self.start()[RATES]).max()), "rad/s"),
+            "residual_rate": (rate.time, rate.value, "rad/s"),
+            "settling_time": (settled, settled, "s"),
+            "peak_mode": (modes.time, modes.value, "kg^0.5 m"),
+            "residual_mode": (quiet.time, quiet.value, "kg^0.5 m"),
+            # what is left in the last 100 s of the largest value of the run
+            "angle_share": (residual.time, residual.value / solution.largest(angle_size).value, "1"),
+            "rate_share": (rate.time, rate.value / solution.largest(rate_size).value, "1"),
+            "mode_share": (quiet.time, quiet.value / modes.value, "1"),
+        }
 
 
 def redrawn(

@@ -29,58 +29,15 @@ from gainsay.logs import (
 from gainsay.simulation.periodic import PeriodicSolution
 from gainsay.tables import Case
 from papers.li2021 import plant, response
-from papers.li2021.response import ANGLES, MODES, RATES, WINDOW, FlexibleLoop
+from papers.li2021.response import ANGLES, METHOD, MODES, RATES, STEPS, WINDOW, FlexibleLoop
 
 AXES = ("x", "y", "z")
 ANGLE_FIELDS = {"roll": "rad", "pitch": "rad", "yaw": "rad"}
 MODE_FIELDS = {f"eta_{i}": "kg^0.5 m" for i in (1, 2, 3, 4)}
-STEPS = 40
 #: samples of the log: dense in the transient, then sparse, s
 DENSE_END, DENSE, SPARSE = 60.0, 0.025, 0.25
 #: distance of the samples of the runs under random gains, s
 NODE = 0.1
-#: an angle has settled once it stays below this part of the largest one at the start
-SETTLED = 0.05
-
-
-def angle_size(t: np.ndarray, state: np.ndarray) -> np.ndarray:
-    """Largest modulus of the three angles, rad."""
-    return np.abs(state[..., ANGLES]).max(axis=-1)
-
-
-def rate_size(t: np.ndarray, state: np.ndarray) -> np.ndarray:
-    """Largest modulus of the three Euler rates, rad/s."""
-    return np.abs(state[..., RATES]).max(axis=-1)
-
-
-def mode_size(t: np.ndarray, state: np.ndarray) -> np.ndarray:
-    """Largest modulus of the modal coordinates, kg^0.5 m."""
-    return np.abs(state[..., MODES]).max(axis=-1)
-
-
-def extremes(loop: FlexibleLoop, solution: PeriodicSolution) -> dict[str, tuple[float, float, str]]:
-    """Located numbers of a run: name -> (time, value, unit)."""
-    torque = loop.peak(solution)
-    first = float(np.abs(loop.start()[ANGLES]).max())
-    end = float(solution.times[-1])
-    settled = solution.last_exit(angle_size, SETTLED * first)
-    residual = solution.largest(angle_size, after=end - WINDOW)
-    rate = solution.largest(rate_size, after=end - WINDOW)
-    modes, quiet = solution.largest(mode_size), solution.largest(mode_size, after=end - WINDOW)
-    return {
-        "peak_torque": (torque.time, torque.value, "N m"),
-        "first_angle": (0.0, first, "rad"),
-        "residual_angle": (residual.time, residual.value, "rad"),
-        "first_rate": (0.0, float(np.abs(loop.start()[RATES]).max()), "rad/s"),
-        "residual_rate": (rate.time, rate.value, "rad/s"),
-        "settling_time": (settled, settled, "s"),
-        "peak_mode": (modes.time, modes.value, "kg^0.5 m"),
-        "residual_mode": (quiet.time, quiet.value, "kg^0.5 m"),
-        # what is left in the last 100 s of the largest value of the run
-        "angle_share": (residual.time, residual.value / solution.largest(angle_size).value, "1"),
-        "rate_share": (rate.time, rate.value / solution.largest(rate_size).value, "1"),
-        "mode_share": (quiet.time, quiet.value / modes.value, "1"),
-    }
 
 
 def sample(solution: PeriodicSolution) -> tuple[np.ndarray, np.ndarray]:
@@ -145,11 +102,11 @@ def periodic(name: str) -> Simulate:
 
     def simulate(case: Case, designs: Mapping, log: LogWriter) -> None:
         loop = FlexibleLoop(case, plant.controller(case, name))
-        solution, second = loop.solve(STEPS), loop.solve(2 * STEPS)
+        solution, second = loop.solve(), loop.solve(2 * STEPS)
         time, states = sample(solution)
         record(case, loop, time, states, loop.torque(time, states), log)
         log.signal("/controller/variation", {"delta": "1"}, time, loop.variation(time)[:, None])
-        log.extremes(extremes(loop, solution), extremes(loop, second), limits={"peak_torque": case.number("u_max")})
+        log.extremes(loop.extremes(solution), loop.extremes(second), limits={"peak_torque": case.number("u_max")})
         log.event(0.0, "start", "angles and rates of Table 1; controller and appendages at rest")
 
     return simulate
@@ -179,8 +136,7 @@ def random_gains(name: str, hold: str) -> Simulate:
 
 def measure(name: str, *more: str) -> Measure:
     """Return the function that reads a run's quantities from its log, banded by a second step size."""
-    method = f"Magnus maps, {STEPS} steps a period, continuous time; band: twice the change at half the step"
-    return measuring(f"audit.{name}", (*ALL, *more), method, times=2)
+    return measuring(f"audit.{name}", (*ALL, *more), METHOD, times=2)
 
 
 ALL = (

@@ -13,7 +13,7 @@ from gainsay.figures import Draw, FigureSpec, bound, finish, panels
 from gainsay.logs import Log, Signal
 from gainsay.tables import Case
 
-COLOURS = {"hinf": "#0055a4", "mixed": "#1f1f1f", "h2": "#c0261b"}
+COLOURS = {"hinf": "#0055a4", "mixed": "#1f1f1f", "h2": "#dd4637"}
 LABELS = {
     "hinf": r"$\gamma = 0.2$ (pure $H_\infty$)",
     "mixed": r"$\gamma = 2$ (mixed)",
@@ -94,6 +94,8 @@ def external(name: str) -> Draw:
             for design in ("h2", "mixed", "hinf"):
                 log = logs[f"{r}_{design}_disturbed"]
                 _curve(panel, log["/nominal/angles_deg"], name, design, label=LABELS[design])
+            since, until = case.number("step_start"), case.number("step_end")
+            panel.axvspan(since, until, color="#ececec", zorder=0, label=f"step of (25), {since:g} to {until:g} s")
         finish(figure, grid)
 
     return draw

@@ -46,6 +46,65 @@ Object.fromEntries(['reproduced', 'contradicted', 'undetermined', 'uncheckable',
 #: bytes of a page that is mailed, sheets of paper
 MOST_BYTES = 2_000_000
 MOST_PRINTED = {"wan2014": 15, "results": 8}
+#: cells whose text lies on their own label, where a table is a pile of cards
+COVERED = """
+[...document.querySelectorAll('[data-label]')].filter(e => {
+  const label = getComputedStyle(e, '::before');
+  if (label.content === 'none' || !e.checkVisibility()) return false;
+  const box = e.getBoundingClientRect(), top = box.top + parseFloat(label.top), range = document.createRange();
+  range.selectNodeContents(e);
+  return [...range.getClientRects()].some(r => r.width && r.left < box.left + parseFloat(label.width) - 1
+    && r.top < top + parseFloat(label.height) - 4 && r.bottom > top + 4);
+}).map(e => e.textContent.slice(0, 60)).slice(0, 10)
+"""
+#: text whose contrast with what lies behind it is below that of WCAG 2.2, 1.4.3: 4.5, and 3 where it is large
+FAINT = """
+(() => {
+  const part = c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+  const light = c => 0.2126 * part(c[0] / 255) + 0.7152 * part(c[1] / 255) + 0.0722 * part(c[2] / 255);
+  const parts = text => { const c = text.match(/[\\d.]+/g).map(Number); return c.length < 4 ? [...c, 1] : c; };
+  const canvas = matchMedia('(prefers-color-scheme: dark)').matches ? [18, 18, 18] : [255, 255, 255];
+  const behind = e => {
+    for (; e; e = e.parentElement) {
+      const c = parts(getComputedStyle(e).backgroundColor);
+      if (c[3] > 0) return c[3] === 1 ? c : null;
+    }
+    return canvas;
+  };
+  const found = new Set(), walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const e = walker.currentNode.parentElement;
+    if (!walker.currentNode.data.trim() || !e.checkVisibility() || e.closest('.unseen, .skip')) continue;
+    const style = getComputedStyle(e), size = parseFloat(style.fontSize), ground = behind(e);
+    const large = size >= 24 || (size >= 18.66 && style.fontWeight >= 700);
+    const two = ground === null ? [0, 1] : [light(parts(style.color)), light(ground)].sort((a, b) => b - a);
+    const ratio = (two[0] + 0.05) / (two[1] + 0.05);
+    if (ratio < (large ? 3 : 4.5)) found.add(`${e.tagName}.${e.className} ${ratio.toFixed(2)}`);
+  }
+  return [...found].slice(0, 10);
+})()
+"""
+#: what a Tab can reach on a page as it is opened, and what the keys have reached since
+REACHABLE = """
+[...document.querySelectorAll('a[href], summary, [tabindex="0"]')].filter(e => e.checkVisibility()).length
+"""
+WATCH = """
+(() => {
+  window.reached = [];
+  document.addEventListener('focusin', ({target: e}) => {
+    const style = getComputedStyle(e);
+    window.reached.push({what: e.outerHTML.slice(0, 80), first: !e.dataset.reached,
+      outline: style.outlineStyle !== 'none' && parseFloat(style.outlineWidth) > 0});
+    e.dataset.reached = 'yes';
+  });
+  document.addEventListener('focusout', ({target: e}) => {  // it has been scrolled to by then
+    const r = e.getBoundingClientRect();
+    const seen = r.bottom > 0 && r.top < innerHeight && r.right > 0 && r.left < innerWidth;
+    window.reached.at(-1).visible = seen || e.matches('.skip');  // which is hidden again by now
+  });
+  return true;
+})()
+"""
 FOCUSED = """
 (() => {
   const e = document.activeElement, style = getComputedStyle(e), r = e.getBoundingClientRect();
@@ -86,6 +145,8 @@ def test_page_is_quiet_and_fits(browser, pages, size, scheme):
         assert browser.evaluate(OVERFLOW) == [], page
         browser.evaluate(OPEN_ALL)
         assert browser.evaluate(OVERFLOW) == [], page
+        assert browser.evaluate(COVERED) == [], page
+        assert browser.evaluate(FAINT) == [], page
         browser.wait("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
         assert browser.troubles() == [], page
 
@@ -93,12 +154,15 @@ def test_page_is_quiet_and_fits(browser, pages, size, scheme):
 def test_a_page_in_trouble_is_noticed(browser, tmp_path):
     # The checks above can fail: a page with an error, a foreign address and a wide box trips each of them.
     page = tmp_path / "bad.html"
-    page.write_text('<img src="http://127.0.0.1:9/x.png"><p style="width:2000px">wide</p><script>throw 1</script>')
+    page.write_text(
+        '<img src="http://127.0.0.1:9/x.png"><p style="width:2000px; color:#999">wide</p><script>throw 1</script>'
+    )
     browser.open(page, PHONE)
     troubles = "\n".join(browser.troubles())
     assert "exceptionThrown" in troubles
     assert "request: http://127.0.0.1:9/x.png" in troubles
     assert browser.evaluate(OVERFLOW)
+    assert browser.evaluate(FAINT) == ["P. 2.85"]  # of #999999 on white: 1.05 / (0.3185 + 0.05)
 
 
 def test_a_page_that_is_mailed_alone_is_whole(browser, pages, tmp_path):
@@ -174,6 +238,18 @@ def test_keyboard_reaches_the_links(browser, pages):
         reached.append(focused["href"])
     for href in ("verdicts.csv", "toy2001/index.html", "#toy2001", "toy2001/index.html#toy2001-claim-eq14"):
         assert href in reached
+
+
+def test_keyboard_reaches_everything_on_every_page(browser, pages):
+    for page in pages:
+        browser.open(page, DESK)
+        count = browser.evaluate(REACHABLE)
+        browser.evaluate(WATCH)
+        for _ in range(count):
+            browser.press("Tab", 9)
+        reached = browser.evaluate("document.activeElement.blur(), window.reached")
+        assert len(reached) == count, page
+        assert [one for one in reached if not (one["first"] and one["outline"] and one["visible"])] == [], page
 
 
 def test_keyboard_opens_a_claim(browser, pages):

@@ -260,7 +260,23 @@ def test_a_sentence_is_told_once_by_the_weightiest_of_its_claims():
     assert len(spoken) < len(found.claims)
     told = [view.claim.id for view in against.weightiest]
     assert sorted(len({claim.id for claim in together} & {*told}) for together in spoken) == [1] * len(spoken)
-    assert told == [view.claim.id for _, group in against.grouped() for view in group if view.claim.id in told]
+    ordered = [view for _, group in against.grouped() for view in group if view.claim.id in told]
+    assert {view.weight for view in ordered} >= {"result", "misprint"}
+    assert told == [view.claim.id for view in sorted(ordered, key=lambda view: view.weight == "misprint")]
+
+
+def test_the_number_behind_a_ratio_is_named():
+    views = {
+        view.claim.id: view
+        for view in verdicts_of(read_results(read_case(find_root(Path(__file__)), "wan2014"))).claims
+    }
+    views |= {
+        view.claim.id: view
+        for view in verdicts_of(read_results(read_case(find_root(Path(__file__)), "pinheiro2013"))).claims
+    }
+    assert views["fig4-bounds"].compared.startswith("largest thrust over its bound of (5)")
+    assert views["mixed-faster-than-h2"].compared.endswith("largest over the axes")  # without where its value lies
+    assert not views["eq23-hinf-a-hinf-pitch"].compared  # the sentence names the norm
 
 
 def test_the_index_links_the_gallery_where_there_is_one(root):
@@ -284,12 +300,31 @@ def test_where_no_design_is_printed_the_others_are_held_against_one_of_ours(root
     assert [outcome for _, outcome in measure.others] == ["worse", "better"]  # the less the better
 
 
-def test_a_design_with_few_measures_stands_in_a_table_of_its_own_that_is_full():
+def test_one_table_holds_every_design_of_li2021_and_every_measure():
     found = read_results(read_case(find_root(Path(__file__)), "li2021"))
-    whole, few = comparisons(found)
-    assert not whole.partly and {"repaired", "best", "comparison"} == set(whole.designs)
-    assert few.partly and all(name.startswith("tradeoff_") for name in few.designs)
-    assert len(whole.measures) == len(found.case.paper.measures) > len(few.measures) == 3
+    found.quantities = {name: {"value": "1.0"} for name in found.case.quantities}
+    (table,) = comparisons(found)
+    points = tuple(f"tradeoff_{number}" for number in (3, 5, 4, 1, 2))
+    assert table.designs == ("repaired", *points, "best", "comparison")
+    empty = {
+        measure.meaning.partition(" together")[2]: [
+            name for name, (value, _) in zip(table.designs, measure.others, strict=True) if not value
+        ]
+        for measure in table.measures
+        if not all(value for value, _ in measure.others)
+    }
+    # a level is proved of the printed gains and of ours; that of one quadratic function is no merit of a design
+    assert empty == {
+        " (disk for constant variations)": ["comparison"],
+        " by quadratic functions, one for the disk as well": [*points, "comparison"],
+    }
+
+
+def test_a_measure_is_named_by_what_its_designs_share():
+    found = read_results(read_case(find_root(Path(__file__)), "pinheiro2013"))
+    for measure in (measure for table in comparisons(found) for measure in table.measures):
+        assert r"\gamma" not in measure.meaning, measure
+        assert "reconstruction" in measure.meaning
 
 
 def test_a_printed_matrix_of_another_name_stands_beside_ours():

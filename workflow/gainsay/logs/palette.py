@@ -1,7 +1,8 @@
 """Colours by role, the same in every viewer and every figure.
 
-The hues are the colour-blind safe set of Okabe and Ito (2008), ordered so that the three axes stay apart under
-deuteranopia, protanopia and in grey print. A role names what a curve *is*; nobody picks a colour by hand.
+The hues are the colour-blind safe set of Okabe and Ito (2008); the first is darker and the third lighter than theirs,
+so that the three axes stay apart under deuteranopia, protanopia, tritanopia and in grey print. A role names what a
+curve *is*; nobody picks a colour by hand.
 """
 
 import colorsys
@@ -39,9 +40,9 @@ class Role:
 
 
 _ALL = (
-    Role("axis_1", "first component: x, roll", "#0072b2", "#3d9fe0"),
+    Role("axis_1", "first component: x, roll", "#004c80", "#2f7fc4"),
     Role("axis_2", "second component: y, pitch", "#d55e00", "#f07f2e"),
-    Role("axis_3", "third component: z, yaw", "#009e73", "#1fc497"),
+    Role("axis_3", "third component: z, yaw", "#14b085", "#5fe3bd"),
     Role("axis_4", "fourth component: scalar part of a quaternion", "#cc79a7", "#e09bc4"),
     Role("axis_1_estimate", "estimate of the first component", "#7db8dd", "#a9d6f5", "dashed", 0.35),
     Role("axis_2_estimate", "estimate of the second component", "#eeb184", "#f9c9a2", "dashed", 0.35),
@@ -49,9 +50,9 @@ _ALL = (
     Role("truth", "true state", "#1f1f1f", "#f0f0f0"),
     Role("estimate", "observer's estimate", "#e69f00", "#ffc23d", "dashed", 0.35),
     Role("magnitude", "Euclidean norm of a vector", "#1f1f1f", "#f0f0f0"),
-    Role("nominal", "nominal plant", "#0072b2", "#3d9fe0"),
+    Role("nominal", "nominal plant", "#004c80", "#2f7fc4"),
     Role("perturbed", "perturbed plant", "#d55e00", "#f07f2e"),
-    Role("comparison", "the design compared against", "#cc79a7", "#e09bc4"),
+    Role("comparison", "the design compared against", "#cc79a7", "#e09bc4", "dotted", 1.2),
     Role("bound", "a bound that the paper states", "#8c1d18", "#f2554d", "dashed", 0.8),
     Role("body", "spacecraft body", "#8a8f98", "#a8adb7"),
     Role("appendage", "flexible appendage", "#33508f", "#6f8fdc"),

@@ -31,6 +31,8 @@ from gainsay.verdicts.outcome import Outcome
 ORDER = ("failed", "contradicted", "undetermined", "undecided", "reproduced", "uncheckable")
 #: what a reader is told first
 AGAINST = ("failed", "contradicted", "undetermined", "undecided")
+#: kinds of claim whose sentence does not name the number that it is held against
+UNNAMED = ("ordering", "figure", "trajectory")
 #: verdicts whose number is told even where it is none
 ALWAYS = ("contradicted", "reproduced")
 #: a claim without a verdict yet
@@ -141,6 +143,14 @@ class ClaimView:
         return self.claim.weight
 
     @property
+    def compared(self) -> Markup:
+        """What is compared, where the sentence alone does not tell; of a scan, without where its own value lies."""
+        named = self.claim.kind not in UNNAMED or self.claim.unit != "1"
+        if self.truth or not self.quantities or (named and self.verdict not in AGAINST):
+            return _NOTHING
+        return said(self.quantities[0].meaning.partition(";")[0])
+
+    @property
     def as_read(self) -> Markup:
         """How it reads a sentence that can be read in several ways, and what the readings come to where they differ."""
         whole = self.row["of_sentence"]
@@ -185,8 +195,9 @@ class Verdicts:
 
     @property
     def weightiest(self) -> list[ClaimView]:
-        """What broke, what is contradicted, what hangs on an input: in this order, a claim for each sentence."""
+        """What broke, what is contradicted, what hangs on an input, misprints: in this order, a claim a sentence."""
         against = [c for verdict, group in self.grouped() if verdict in AGAINST for c in group]
+        against.sort(key=lambda claim: claim.weight == "misprint")
         names = {claim.id: together[0].id for together in sentences(c.claim for c in self.claims) for claim in together}
         first = {names[c.claim.id]: c for c in reversed(against)}
         return [c for c in against if first[names[c.claim.id]] is c]

@@ -1,6 +1,6 @@
 """Designs beside the printed one, or beside one of ours where none is printed: every measure, and their gains."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
@@ -49,14 +49,11 @@ class Comparison:
         Those that are measured.
     measures : tuple of Measure
         A row each.
-    partly : bool
-        Whether these are designs of which less than half of the measures is asked for: those alone stand here.
     """
 
     against: str
     designs: tuple[str, ...]
     measures: tuple[Measure, ...]
-    partly: bool = False
 
 
 def _outcome(better: str, printed: float, other: float) -> str:
@@ -68,14 +65,13 @@ def _outcome(better: str, printed: float, other: float) -> str:
 def comparisons(found: PaperResults) -> tuple[Comparison, ...]:
     """Return every measure that paper.toml names beside each design that has it, a table for each that is compared.
 
-    The design that the others are held against stands in a row even where no other design was measured alike; designs
-    with few measures stand in a table of their own.
+    The design that the others are held against stands in a row even where no other design was measured alike.
     """
     against = dict.fromkeys(map(held_against, found.case.paper.measures.values()))
-    return tuple(table for design in against for table in _comparison(found, design))
+    return tuple(_comparison(found, design) for design in against)
 
 
-def _comparison(found: PaperResults, against: str) -> Iterator[Comparison]:
+def _comparison(found: PaperResults, against: str) -> Comparison:
     case = found.case
     names = [*case.paper.designs, *(run for run in case.paper.runs if run not in case.paper.designs)]
     asked = {
@@ -83,21 +79,23 @@ def _comparison(found: PaperResults, against: str) -> Iterator[Comparison]:
         for own, text in case.paper.measures.items()
         if held_against(text) == against
     }
-    count = {name: sum(name in quantities for quantities in asked.values()) for name in names}
-    whole = tuple(name for name in names if 2 * count[name] >= len(asked))
-    rest = tuple(name for name in names if 0 < 2 * count[name] < len(asked))
-    yield Comparison(against, whole, tuple(_measure(found, own, asked[own], whole) for own in asked))
-    if rest:
-        shared = [own for own in asked if any(name in asked[own] for name in rest)]
-        yield Comparison(against, rest, tuple(_measure(found, own, asked[own], rest) for own in shared), partly=True)
+    designs = tuple(name for name in names if any(name in quantities for quantities in asked.values()))
+    return Comparison(against, designs, tuple(_measure(found, own, asked[own], designs) for own in asked))
 
 
 def _measure(found: PaperResults, quantity: str, quantities: Mapping[str, str], designs: Sequence[str]) -> Measure:
     rows, about = found.quantities, found.case.quantities[quantity]
     better = found.case.paper.measures[quantity].partition(" ")[0]
     own = rows.get(quantity)
+    meaning = _shared(about.meaning, [found.case.quantities[quantities[name]].meaning for name in quantities])
     others = tuple(_other(own, rows.get(quantities.get(name, "")), better) for name in designs)
-    return Measure(about.meaning, about.unit, better, number(own["value"], digits=4) if own else Markup(""), others)
+    return Measure(meaning, about.unit, better, number(own["value"], digits=4) if own else Markup(""), others)
+
+
+def _shared(meaning: str, others: Sequence[str]) -> str:
+    """Return the parts of a meaning that those of other designs have too; all of it where its head is its own."""
+    parts = [part for part in meaning.split(", ") if all(part in other.split(", ") for other in others)]
+    return ", ".join(parts) if parts and meaning.startswith(parts[0]) else meaning
 
 
 def _other(own: Row | None, row: Row | None, better: str) -> tuple[Markup, str]:
