@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Any, Literal
 
 from gainsay.errors import CertificateError
-from gainsay.exact.budget import spend
+from gainsay.exact.budget import BudgetError, spend
 
 __all__ = [
     "KEPT", "LARGEST_SIZE", "OPERATORS", "Relation", "compared", "integers", "is_star", "literal_integer", "one_line",
@@ -62,11 +62,14 @@ def count_text(text: str) -> None:
     Raises
     ------
     CertificateError
-        If it is no text, or too long.
+        If it is no text, or too long, or more work than what is left of the budget.
     """
     if not isinstance(text, str) or len(text) > _LONGEST:
         raise CertificateError(f"a formula must be a text of at most {_LONGEST} characters")
-    spend(50 * len(text), "a formula")
+    try:
+        spend(50 * len(text), "reading it")
+    except BudgetError as error:
+        raise CertificateError(f"formula {quote(text)}: {error}") from error
 
 
 @lru_cache(maxsize=KEPT)
