@@ -124,6 +124,15 @@ def _hyperbola(size):
     return Program(minimise=3 * x + 2, subject_to=[block >= 0])
 
 
+def _gap(size, slope, T):
+    # the first two rows of [[0, a x, 0], [a x, y, 0], [0, 0, a x + s]] force x = 0; its dual has the value -s / a
+    y = scalar("y")
+    unit = np.zeros((3, 3))
+    unit[0, 1] = unit[1, 0] = unit[2, 2] = slope
+    block = size * np.diag([0, 0, 1.0]) + x * unit + y * np.diag([0, 1.0, 0])
+    return Program(minimise=x, subject_to=[T.T @ block @ T >= 0])
+
+
 def _nuclear():
     # norm of the (1, 4) matrix b: [[t, b], [b', t I]] >= 0, least t = |b|
     b = np.array([[3.0, 0, 4.0, 12.0]])
@@ -183,6 +192,12 @@ KNOWN = {
     "H2 norm squared": (_h2, 1 / 6),
     "H-infinity norm squared": (_hinf, 6.25),
     "correlation": (_interpolation, -np.cos(0.2)),
+    "duality gap": (lambda: _gap(1.0, 1.0, np.eye(3)), 0.0),
+    "duality gap, large": (lambda: _gap(1e4, 1e-3, np.eye(3)), 0.0),
+    "duality gap, in other coordinates": (
+        lambda: _gap(1e-4, 1e-3, np.array([[1.0, 2, 0], [0, 1, -1], [1, 0, 1]])),
+        0.0,
+    ),
     "not attained": (lambda: _hyperbola(1.0), 2.0),
     "not attained, far": (lambda: _hyperbola(1e6), 2.0),
     # linear programs: vertices by hand

@@ -69,6 +69,39 @@ def test_programs_speak_of_the_closed_loop(case, model, observer, xi0):
         np.testing.assert_allclose(floats.constant(name), value, rtol=1e-13, atol=1e-18)
 
 
+def test_dissipation_is_that_of_the_argument(case, model, observer):
+    # V = xi'P xi along xi' = A xi + H w, the cost's weight, and s_i (z_i^2 - w_i^2) for w = Lambda z, |Lambda_i| <= 1
+    loop = Loop(case, model, observer, case.matrix("K"))
+    stated = statements.cost_bound(case, "printed('K')").floats()
+    formula = statements.dissipation(case, "printed('K')", "weight").formula
+    rng = np.random.default_rng(5)
+    P, s = rng.normal(size=(12, 12)), rng.uniform(1, 2, 5)
+    P = P + P.T
+    block = stated.value(formula).value({"P": P, "S": np.diag(s)})
+    for _ in range(3):
+        xi, w = rng.normal(size=12), rng.normal(size=5)
+        z = loop.F @ xi
+        right = 2 * xi @ P @ (loop.A @ xi + loop.E @ w) + xi @ loop.Q @ xi + s @ (z**2 - w**2)
+        point = np.append(xi, w)
+        assert point @ block @ point == pytest.approx(right, rel=1e-9)
+
+
+def test_reach_is_that_of_the_argument(case, model, observer):
+    # [[P, k'], [k, u]] > 0 is P > k'k / u: |k xi|^2 <= u xi'P xi; the start lies in xi'P xi < 1
+    loop = Loop(case, model, observer, case.matrix("K"))
+    for axis in range(3):
+        stated = statements.thrust_bound(case, "printed('K')", axis)
+        by_label = {c.label: c.expression for c in stated.program().constraints}
+        P = np.eye(12)
+        block = by_label["reach"].value({"P": P, "S": np.eye(5), "square": 3.0})
+        np.testing.assert_allclose(block[:12, :12], P)
+        np.testing.assert_allclose(block[:12, 12], loop.k[axis])
+        assert block[12, 12] == 3.0
+        xi0 = stated.floats().constant("xi0").ravel()
+        start = by_label["start inside"].value({"P": P, "S": np.eye(5), "square": 3.0})
+        assert start.item() == pytest.approx(1 - xi0 @ xi0, rel=1e-12)
+
+
 def test_multipliers_leave_trace_W_X_alone(case, model, observer, multipliers):
     # the identity behind the refutation, at random X, Y, eps: <V, core of (14)> = tr(W X) + eps |V^(1/2) [E1; E1]|^2
     V1, V3 = multipliers["V1"], multipliers["V3"]

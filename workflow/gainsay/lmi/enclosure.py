@@ -6,9 +6,9 @@ import numpy as np
 
 from gainsay.errors import InputError
 from gainsay.exact.floats import real_number
-from gainsay.lmi import backends, centring, duality, scaling
+from gainsay.lmi import backends, centring, duality, facial, scaling
 from gainsay.lmi.affine import Values
-from gainsay.lmi.facial import exact_bound
+from gainsay.lmi.exposing import exact_faces
 from gainsay.lmi.outcomes import Infeasible, Infimum, Solved, Unbounded, Undecided
 from gainsay.lmi.points import proved_point
 from gainsay.lmi.program import Program
@@ -25,6 +25,8 @@ _CUTS = (1e-6, 1e-4, 1e-8)
 _FIRST_CUTS = (0.0, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3)
 # width of an enclosure, relative to the size of the objective, that is narrow enough
 _NARROW = 1e-7
+# common margin, of scaled blocks, above which no points are looked for on a face
+_ROOM = 1e-5
 # widest enclosure, relative to the size of the objective, within which a value is given
 _WIDEST = 0.1
 
@@ -53,13 +55,32 @@ def infimum(
     solved, last = decide(program, near, 4, MOST_FACES, settle=margins is not None)
     if not isinstance(solved, Solved):
         return solved
-    if last is not program:
-        found = _enclosed(last, solved, margins)
-        if not isinstance(found, Infimum):
-            return found
-        # multipliers of the program on a face are none of the program
-        return replace(found, solved=filled_point(program, found.solved), multipliers={})
-    return _enclosed(program, solved, margins)
+    found = _enclosed(last, solved, margins)
+    if margins is None and isinstance(found, Infimum) and np.isnan(found.value):
+        found = _enclosed_on_face(last, found)
+    return found if last is program or not isinstance(found, Infimum) else _of_whole(program, found)
+
+
+def _of_whole(program: Program, found: Infimum) -> Infimum:
+    """An enclosure on a face as one of the whole program, of which multipliers on the face are none."""
+    return replace(found, solved=filled_point(program, found.solved), multipliers={})
+
+
+def _enclosed_on_face(program: Program, found: Infimum) -> Infimum:
+    """The enclosure on a face that holds all points, where there is one: no multipliers of the whole close the gap."""
+    scale = scaling.first(program)
+    level = duality.level(scaling.apply(program, scale), program.constraints)
+    coordinates = scaling.exact(program, scale)
+    if coordinates is None or not level.multipliers or level.value > _ROOM:
+        return found
+    exact, scaled = coordinates
+    for face in exact_faces(scaled, program.constraints, scale.multipliers_in(exact, level.multipliers), 0):
+        smaller = facial.reduced(program, exact, face)
+        inner = None if smaller is None else infimum(smaller)
+        if isinstance(inner, Infimum) and np.isfinite(inner.value):
+            tried = (*found.attempts, {**level.record, "aim": "level", "level": level.value}, *inner.attempts)
+            return replace(_of_whole(program, inner), attempts=tried)
+    return found
 
 
 def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None) -> Infimum | Undecided:
@@ -102,7 +123,7 @@ def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None)
     if asked is None and not best.objective - lower < 1e-6 * max(abs(best.objective), scale.cost):
         best, lower, proof = _along_the_path(program, scale, solved, best, lower, proof, attempts)
     if asked is None and not np.isfinite(lower):
-        lower, proof = exact_bound(program, scale, flat.multipliers)
+        lower, proof = facial.exact_bound(program, scale, flat.multipliers)
     return _told(program, sharp, best, lower, proof, scale.cost, attempts)
 
 

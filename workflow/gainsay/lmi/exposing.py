@@ -64,7 +64,8 @@ def exact_faces(
         Value that the sum of <constant part, Z_j> is to have (0), or None for any.
     """
     right = np.append(np.zeros(len(scaled.cost)), np.nan if target is None else target)
-    yield from _near(scaled, constraints, multipliers, right)
+    inside = [m for c, m in zip(constraints, multipliers, strict=True) if not isinstance(c, Equal)]
+    yield from _near(scaled, constraints, multipliers, right, _largest(inside))
 
 
 def exact_multipliers(
@@ -74,30 +75,31 @@ def exact_multipliers(
 
     They need no room inside their cones, which multipliers of an infimum that is not attained do not have.
     """
-    unit = float(power_of_two(_largest(constraints, multipliers)))
+    unit = float(power_of_two(_largest(multipliers)))
     right = np.append(scaled.cost / unit, np.nan)
-    for face in _near(scaled, constraints, [m / unit for m in multipliers], right):
+    for face in _near(scaled, constraints, [m / unit for m in multipliers], right, 1.0):
         yield unit, face
 
 
-def _largest(constraints: Sequence, multipliers: Sequence[np.ndarray]) -> float:
-    sizes = [
-        np.abs(m).max(initial=0.0) for c, m in zip(constraints, multipliers, strict=True) if not isinstance(c, Equal)
-    ]
-    return float(max(sizes, default=0.0)) or 1.0
+def _largest(multipliers: Sequence[np.ndarray]) -> float:
+    return float(max((np.abs(m).max(initial=0.0) for m in multipliers), default=0.0)) or 1.0
 
 
 def _near(
-    scaled: scaling.Scaled, constraints: Sequence, multipliers: Sequence[np.ndarray], right: np.ndarray
+    scaled: scaling.Scaled, constraints: Sequence, multipliers: Sequence[np.ndarray], right: np.ndarray, top: float
 ) -> Iterator[Face]:
-    """Exact multipliers whose equations, one a coordinate and one of the value, have the right sides: nan for any."""
+    """Exact multipliers whose equations, one a coordinate and one of the value, have the right sides: nan for any.
+
+    Cuts are relative to the size `top`.
+    """
     if len(scaled.cost) > _MOST_ENTRIES:
         return
-    top, tried = _largest(constraints, multipliers), set()
+    tried, homogeneous = set(), not np.nan_to_num(right).any()
     for cut in _CUTS:
         factors = [_factor(c, m, cut * top) for c, m in zip(constraints, multipliers, strict=True)]
         ranks = tuple(f.shape[-1] if f.ndim == 2 else int(np.count_nonzero(f)) for f in factors)
-        if ranks in tried or not any(r for c, r in zip(constraints, ranks, strict=True) if not isinstance(c, Equal)):
+        weight = any(r for c, r in zip(constraints, ranks, strict=True) if not isinstance(c, Equal))
+        if ranks in tried or (homogeneous and not weight):
             continue
         tried.add(ranks)
         if sum(r * (r + 1) // 2 if f.ndim == 2 else r for f, r in zip(factors, ranks, strict=True)) > _MOST_ENTRIES:

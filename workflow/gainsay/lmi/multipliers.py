@@ -185,8 +185,9 @@ class System:
                 columns.append(frame.T @ part)
                 sizes.append(np.abs(frame).T @ np.abs(part))
         stack = np.vstack(columns)
-        lengths = np.linalg.norm(stack, axis=0)
-        if not (lengths > 0).all():
+        with np.errstate(over="ignore"):  # of multipliers that run away
+            lengths = np.linalg.norm(stack, axis=0)
+        if not (np.isfinite(lengths) & (lengths > 0)).all():
             return None
         units = power_of_two(1 / lengths)
         stack = stack * units
