@@ -365,3 +365,21 @@ def test_a_certificate_that_states_something_else_is_a_difference(clean):
     assert items(clean) == {("certificate", "one")}
     certified(clean, "1 > 0", name="two")
     assert items(clean) == {("certificate", "one"), ("certificate", "two")}
+
+
+def test_a_quantity_without_a_claim_cannot_be_written_against_its_certificate(clean):
+    case = run(clean)
+    results = Results(case, "audit")
+    for quantity, value in COMPUTED.items():
+        results.quantity(quantity, value, method="typed by hand")
+    fields = {"formula": "3/2", "high": "2"}
+    made = build.certificate("enclosed", id="one", statement="S.", tables=case, fields=fields,
+                             quantities={"value": "audit.other"})  # fmt: skip
+    results.certificate(made)
+    results.close()
+    verdicts(case)
+    assert ("failure", "audit audit.other") not in items(clean)  # 1.0 is below 2
+    typed = case.results / "parts" / "audit.quantities.csv"
+    write_atomically(typed, typed.read_text().replace("audit.other,1.0", "audit.other,2.5"))
+    verdicts(case)
+    assert ("failure", "audit audit.other") in items(clean)

@@ -10,7 +10,7 @@ from gainsay.tables.lint import PROVED
 from gainsay.tables.models import VERDICTS, Claim
 from gainsay.tables.sentences import SEVERITY
 from gainsay.verdicts.evidence import Concluded, Evidence
-from gainsay.verdicts.judge import judge
+from gainsay.verdicts.judge import contradictions, judge
 from tests.gainsay.judge_example import SAMPLED, Tables, at_least, at_most, claim, evidence, found, says, scans, verdict
 
 # --- what is printed against what is computed -----------------------------------------------------------------------
@@ -371,3 +371,39 @@ def test_at_most_and_at_least_exclude_each_other_off_the_bound(published, value)
     assert both == (
         {"reproduced"} if Fraction(value) == PrintedNumber(f"{published:.3f}").value else {"reproduced", "contradicted"}
     )
+
+
+# --- quantities against certificates, claimed or not ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("on", "said"),
+    [
+        (evidence(says("fails"), value=found(1.0)), "the certificate cert says that it fails"),
+        (evidence(says("holds"), value=found(0.0)), "the certificate cert says that it holds"),
+        (evidence(says("holds"), value=found(0.5)), "written as 0.5"),
+        (evidence(says("holds", "one"), says("fails", "two")), "one two"),
+        (
+            evidence(at_most("1.5", "above"), value=found(1.6)),
+            "written as 1.6, outside of what certificates prove: above",
+        ),
+        (evidence(at_least(2, "low"), at_most("1.5", "high")), "low high"),
+    ],
+)
+def test_a_quantity_written_by_hand_against_its_certificate_is_a_contradiction(on, said):
+    [(quantity, message)] = contradictions(on)
+    assert quantity == "q" and said in message
+
+
+@pytest.mark.parametrize(
+    "on",
+    [
+        evidence(says("holds"), value=found(1.0)),
+        evidence(says("fails")),
+        evidence(at_most("1.5"), value=found(1.5)),
+        evidence(at_least("1.5"), at_most("1.5"), value=found(1.5000001)),  # rounding, as a verdict allows it
+        evidence(value=found(7.0)),
+    ],
+)
+def test_what_follows_from_a_certificate_is_none(on):
+    assert not list(contradictions(on))

@@ -3,11 +3,12 @@
 import sys
 
 from gainsay.results.listing import write_listing
-from gainsay.results.returned import CERTIFICATE_COLUMNS, PARTS, VERDICT_COLUMNS, read_part
+from gainsay.results.returned import CERTIFICATE_COLUMNS, FAILURE_COLUMNS, PARTS, VERDICT_COLUMNS, read_part
 from gainsay.steps.command import step_command
 from gainsay.tables import Case
 from gainsay.tables.files import Table, write_csv
 from gainsay.verdicts.evidence import Evidence
+from gainsay.verdicts.judge import contradictions
 from gainsay.verdicts.table import outcomes, verdict_rows
 
 
@@ -24,6 +25,8 @@ def judged(case: Case) -> tuple[dict[str, Table], Evidence]:
     for part, columns in PARTS.items():
         tables[part] = columns, [[row[column] for column in columns] for row in read_part(case, part)]
     rows, evidence = verdict_rows(case)
+    against = [[_step_of(case, name), name, "verdicts", message] for name, message in contradictions(evidence)]
+    tables["failures"] = FAILURE_COLUMNS, [*tables["failures"][1], *against]
     tables["certificates"] = (
         CERTIFICATE_COLUMNS,
         [
@@ -33,6 +36,11 @@ def judged(case: Case) -> tuple[dict[str, Table], Evidence]:
     )
     tables["verdicts"] = VERDICT_COLUMNS, [[row[column] for column in VERDICT_COLUMNS] for row in rows]
     return tables, evidence
+
+
+def _step_of(case: Case, quantity: str) -> str:
+    """Return the step that declares a quantity; of one that no table declares a certificate alone speaks."""
+    return case.quantities[quantity].step if quantity in case.quantities else "verdicts"
 
 
 def verdicts(case: Case) -> None:

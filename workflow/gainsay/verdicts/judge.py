@@ -1,6 +1,7 @@
 """The verdict on a claim, from the claim and the evidence alone."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -162,6 +163,25 @@ def _contradictory(low: Number, high: Number, found: Found | None) -> bool:
     bottom, top = _ends(found)
     slack = _ROUNDING * max(abs(bottom), abs(top))
     return top + slack < low or bottom - slack > high
+
+
+def contradictions(evidence: Evidence) -> Iterator[tuple[str, str]]:
+    """Yield every quantity that certificates say otherwise than it was written, claimed or not, and how."""
+    for quantity, concluded in evidence.concluded.items():
+        if not quantity:
+            continue  # certificates that conclude on none have nothing in common
+        found = evidence.found.get(quantity)
+        relations = {c.relation: c.certificate for c in concluded if c.relation in ("holds", "fails")}
+        low, high, used = evidence.proved_range(quantity)
+        if len(relations) > 1:
+            yield quantity, f"certificates contradict each other: {' '.join(relations.values())}"
+        elif relations and found is not None and found.value != float("holds" in relations):
+            relation, certificate = relations.popitem()
+            yield quantity, f"written as {found.value!r}, but the certificate {certificate} says that it {relation}"
+        elif used and _contradictory(low, high, found):
+            names = " ".join(dict.fromkeys(c.certificate for c in used))
+            written = "" if found is None else f"written as {found.value!r}, "
+            yield quantity, f"{written}outside of what certificates prove: {names}"
 
 
 def _narrowed(low: Number, high: Number, found: Found | None) -> tuple[Number, Number]:
