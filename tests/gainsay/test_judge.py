@@ -403,6 +403,7 @@ def test_a_quantity_written_by_hand_against_its_certificate_is_a_contradiction(o
         evidence(at_most("1.5"), value=found(1.5)),
         evidence(at_least("1.5"), at_most("1.5"), value=found(1.5000001)),  # rounding, as a verdict allows it
         evidence(value=found(7.0)),
+        evidence(says("holds", "one"), says("fails", "two"), quantity=""),
     ],
 )
 def test_what_follows_from_a_certificate_is_none(on):

@@ -190,6 +190,32 @@ def test_a_statement_that_is_none_is_refused(parts, reason):
         lyapunov(**parts)
 
 
+@pytest.mark.parametrize(
+    ("where", "reason"),
+    [
+        (
+            {"Acl": "A - B@Y", **{name: text for name, text in WHERE.items() if name != "Acl"}},
+            "'A' is not defined before",
+        ),
+        ({**WHERE, "B": "B + B"}, "'B' is not defined before"),
+        ({**WHERE, "P": "eye(2)"}, "'P' is defined twice"),
+        ({**WHERE, "eye": "A"}, "belongs to the formula language"),
+    ],
+)
+def test_a_name_means_one_thing_and_is_defined_before_it_is_used(where, reason):
+    used = Statement("(5)", "", ("state",), {("state", "state"): "sym(Acl@P) - eye(2)"}, UNKNOWNS, where)
+    with pytest.raises(CertificateError, match=reason):
+        Stated(TABLES, [used < 0]).program()
+
+
+@pytest.mark.parametrize(
+    "corrected", [{"blocks": {("input", "input"): "-eps"}}, {"blocks": {}}, {"blocks": {}, "without": ["inputs"]}]
+)
+def test_an_edition_that_corrects_nothing_is_refused(corrected):
+    with pytest.raises(InputError, match=r"\(3\)"):
+        lyapunov().corrected(**corrected)
+
+
 def test_two_meanings_of_one_name_are_refused():
     other = lyapunov(label="(4)", where={**WHERE, "A": "2*printed('A')"})
     with pytest.raises(InputError, match="another meaning"):
@@ -212,6 +238,8 @@ def test_a_family_and_a_sum_fill_in_their_names():
     assert row.given(i=1, axis="y").formula == "Y[0, 1]*1"
     assert row.given(i=1, axis="y").label == "(31) y"
     assert over("q{k}*A{k}", k=range(2)) == "q0*A0 + q1*A1"
+    with pytest.raises(InputError, match="a value to sum over"):
+        over("q{k}*A{k}", k=[])
     assert row.defining(m="3").definitions(None)["m"] == "3"
 
 

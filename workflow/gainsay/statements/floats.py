@@ -65,12 +65,16 @@ class Floats:
             self._take_over(before)
 
     def _names_with_unknowns(self) -> set[str]:
-        found = set(self.unknowns)
+        found, later = set(self.unknowns), set(self.definitions)
         for name, text in self.definitions.items():
             formulas.check_name(name)
             if name in self.unknowns:
                 raise CertificateError(f"the name {name!r} is defined twice")
-            if self._names_in(text) & found:
+            names = self._names_in(text)
+            if names & later:
+                raise CertificateError(f"definition of {name!r}: {min(names & later)!r} is not defined before it")
+            later.remove(name)
+            if names & found:
                 found.add(name)
         return found
 

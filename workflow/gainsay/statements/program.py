@@ -9,7 +9,7 @@ import numpy as np
 from gainsay import lmi
 from gainsay.errors import InputError
 from gainsay.lmi import BlockMatrix, Definite, Equal, Program, Scale, Solved, equal, within
-from gainsay.proof.formulas import names_in
+from gainsay.proof.formulas import check_name, names_in
 from gainsay.statements.floats import Floats
 from gainsay.statements.statement import Constraint, read_constraint
 from gainsay.statements.unknowns import Unknown
@@ -44,6 +44,8 @@ class Stated:
     ------
     InputError
         If two statements mean different things by one name, or two constraints have one label.
+    CertificateError
+        If a name belongs to the formula language.
     """
 
     case: Any
@@ -180,6 +182,7 @@ def _flat(constraints: Iterable[Any]) -> Iterable[Constraint]:
 
 def _join(known: dict[str, Any], more: Mapping[str, Any], label: str, what: str) -> None:
     for name, value in more.items():
+        check_name(name)
         if known.setdefault(name, value) != value:
             raise InputError(f"{what} of another meaning", field=f"{label}, {name}", value=value, expected=known[name])
 

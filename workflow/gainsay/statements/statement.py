@@ -199,8 +199,15 @@ class Statement:
         -------
         Statement
             Its `differences` name each cell that differs, with both texts.
+
+        Raises
+        ------
+        InputError
+            If there is no such block row, or no cell differs.
         """
         gone = set(without)
+        for name in gone - set(self.rows):
+            raise InputError("block row", field=self.label, value=name, expected=", ".join(self.rows))
         places: dict[tuple[str, str], str] = dict(self.blocks)
         for (row, column), text in blocks.items():
             places.pop((column, row), None)
@@ -210,7 +217,10 @@ class Statement:
         rows = [row for row in self.rows if row not in gone]
         kept = {place: text for place, text in places.items() if not set(place) & gone}
         other = replace(self, label=f"{self.label} {edition}", rows=rows, blocks=kept, edition=edition, differences=())
-        return replace(other, differences=tuple(_differing(self, other)), printed_rows=self.rows)
+        differences = tuple(_differing(self, other))
+        if not differences:
+            raise InputError("edition", field=self.label, value=edition, expected="a cell that differs")
+        return replace(other, differences=differences, printed_rows=self.rows)
 
     def given(self, label: str | None = None, /, **values: object) -> "Statement":
         """Return the member of a family: every ``{name}`` in label and blocks becomes the value's text.
@@ -295,6 +305,11 @@ def _differing(printed: Statement, other: Statement) -> Iterator[Cell]:
 def over(text: str, **families: Iterable[object]) -> str:
     """Sum of a formula over the values of the names in it, as text.
 
+    Raises
+    ------
+    InputError
+        If there is nothing to sum: a text does not say of what shape the zero is.
+
     Examples
     --------
     >>> over("q{k}*A{k}", k=range(1, 4))
@@ -303,4 +318,6 @@ def over(text: str, **families: Iterable[object]) -> str:
     terms = [text]
     for name, values in families.items():
         terms = [term.replace(f"{{{name}}}", str(value)) for value in values for term in terms]
+        if not terms:
+            raise InputError("sum", field=name, value=text, expected="a value to sum over")
     return " + ".join(terms)
