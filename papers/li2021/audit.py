@@ -55,10 +55,10 @@ def vertices(case: Case, gains: Gains) -> tuple[float, float, np.ndarray]:
     for delta in product((-1, 1), repeat=3):
         loops = plant.closed_loop(plant.rigid(k, delta), gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
         poles = np.linalg.eigvals(loops)
-        found = np.abs(poles + disk.centre).max(axis=-1)
+        moduli = np.abs(poles + disk.centre).max(axis=-1)
         abscissa = max(abscissa, float(poles.real.max()))
-        if found.max() > reach:
-            reach, where = float(found.max()), np.concatenate([signs[found.argmax()], delta])
+        if moduli.max() > reach:
+            reach, where = float(moduli.max()), np.concatenate([signs[moduli.argmax()], delta])
     return reach, abscissa, where
 
 
@@ -269,9 +269,9 @@ def audit_controller(case: Case, results: Results, name: str) -> tuple[float, fl
         source="Section IV",
         method=f"exact Hamiltonian of the doubles, attained at {bounds.frequency:.3g} rad/s",
     )
-    found = measure(case, results, name, "disk_radius", "abscissa")
+    measures = measure(case, results, name, "disk_radius", "abscissa")
     reach = plant.enclosed_loop(case, name)["disk_radius"]["value"]
-    results.say(f"Section IV, {name}", f"disk {reach:.4f}, norm {bounds.lower:.4f}, {found}")
+    results.say(f"Section IV, {name}", f"disk {reach:.4f}, norm {bounds.lower:.4f}, {measures}")
     return bounds.lower, reach
 
 

@@ -15,11 +15,11 @@ SIMULATED = {"constant": 150, "fast": 20, "slow": 40}
 def residuals(case: Case, reading: str, name: str) -> np.ndarray:
     """Largest angle in the last 100 s of each draw of a campaign, rad; the draws are common to both controllers."""
     loop, seed = FlexibleLoop(case, plant.controller(case, name)), int(case.number("seed"))
-    found = []
+    rows = []
     for number in range(SIMULATED[reading]):
         times, states = response.redrawn(loop, response.HOLDS[reading], np.random.default_rng((seed, number)))
-        found.append(np.abs(states[times >= times[-1] - response.WINDOW][:, response.ANGLES]).max())
-    return np.array(found)
+        rows.append(np.abs(states[times >= times[-1] - response.WINDOW][:, response.ANGLES]).max())
+    return np.array(rows)
 
 
 @task("Figures 8 and 9")
@@ -28,14 +28,17 @@ def random_gains(case: Case, results: Results) -> None:
     source, ratio = "Figures 8 and 9", {}
     for reading, hold in response.HOLDS.items():
         residual = {name: residuals(case, reading, name) for name in ("proposed", "comparison")}
-        for name, found in residual.items():
-            shared = f"of {len(found)} runs, largest angle in the last 100 s"
+        for name, residual_of in residual.items():
+            shared = f"of {len(residual_of)} runs, largest angle in the last 100 s"
             results.quantity(
-                f"draws.{reading}.{name}.residual", float(np.median(found)), source=source, method=f"median {shared}"
+                f"draws.{reading}.{name}.residual",
+                float(np.median(residual_of)),
+                source=source,
+                method=f"median {shared}",
             )
             results.quantity(
                 f"draws.{reading}.{name}.diverged",
-                float(np.mean(found > 1.0)),
+                float(np.mean(residual_of > 1.0)),
                 source=source,
                 method=f"share {shared} above 1 rad",
             )

@@ -60,13 +60,13 @@ def random_gains(case: Case, block: Block) -> dict[str, tuple[int, int]]:
     (axis,) = block.plan.axes
     uniform = block.generator().random((block.size, 12))
     factors = axis.low + (axis.high - axis.low) * uniform
-    found = {}
+    counts = {}
     for name in ("proposed", "comparison"):
         loops, error = loops_of(case, name, factors)
         outcome = resolved(loops, lambda s: s.real, error)
-        found[name] = int((outcome == OUTSIDE).sum()), int((outcome == UNRESOLVED).sum())
-        assert int((outcome == INSIDE).sum()) + sum(found[name]) == block.size
-    return found
+        counts[name] = int((outcome == OUTSIDE).sum()), int((outcome == UNRESOLVED).sum())
+        assert int((outcome == INSIDE).sum()) + sum(counts[name]) == block.size
+    return counts
 
 
 def gain_box(case: Case) -> GainBox:

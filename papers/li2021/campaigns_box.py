@@ -57,8 +57,8 @@ class GainBox:
 
         A box is halved across the input that moves the loop most.
         """
-        found = [self.judged(a, b) for a, b in zip(low, high, strict=True)]
-        return np.array([outcome for outcome, _ in found]), np.array([axis for _, axis in found])
+        judgements = [self.judged(a, b) for a, b in zip(low, high, strict=True)]
+        return np.array([outcome for outcome, _ in judgements]), np.array([axis for _, axis in judgements])
 
     def judged(self, low: np.ndarray, high: np.ndarray) -> tuple[int, int]:
         """Outcome of one box, and the input that moves the loop most."""
@@ -89,14 +89,14 @@ class GainBox:
         reach = min(float(np.abs(np.linalg.eigvals(moved)).max()), 0.999)
         # Stein's equation for a disk between the poles and the border: what is left of it is for the steps
         alone = [solve_discrete_lyapunov(moved.T / (reach + part * (1 - reach)), start) for part in _PARTS]
-        found = []
+        coordinates = []
         for candidate in (P, *((one + one.T) / 2 for one in alone)):
             try:
                 T = np.linalg.cholesky(candidate + 1e-9 * np.diag(np.abs(np.diagonal(candidate)))).T
             except np.linalg.LinAlgError:
                 T = np.diag(1 / size)
-            found.append((T, np.linalg.inv(T)))
-        return found
+            coordinates.append((T, np.linalg.inv(T)))
+        return coordinates
 
     def rows(self, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
         """Inverse mass matrix, the rows N of M (10) N in the rates, and their slopes by input."""

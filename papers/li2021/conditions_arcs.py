@@ -54,13 +54,13 @@ def peak(form: Loop, a: float, b: float, nodes: int = 61) -> tuple[float, float]
         left, right = max(i - 1, 0), min(i + 1, nodes - 1)
         if values[i] < max(values[left], values[right]) or values[i] < 0.9 * values.max():
             continue
-        found = minimize_scalar(
+        minimum = minimize_scalar(
             lambda t, i=i: -best_scaling(form.response(-a + b * np.exp(1j * t)), scales[i])[0],
             bounds=(angles[left], angles[right]),
             method="bounded",
             options={"xatol": 1e-4},
         )
-        best = max(best, (float(-found.fun), float(found.x)))
+        best = max(best, (float(-minimum.fun), float(minimum.x)))
     return best
 
 
@@ -78,8 +78,8 @@ def largest_delta(build: Callable[[float], Loop], a: float, b: float, low: float
     """
     if peak(build(low), a, b)[0] >= 1 or peak(build(high), a, b)[0] <= 1:
         raise ComputationError("disk region", f"the peak does not pass 1 between {low} and {high}")
-    found = brentq(lambda x: peak(build(x), a, b)[0] - 1, low, high, xtol=1e-6)
-    return float(found), peak(build(found), a, b)[1]
+    delta = brentq(lambda x: peak(build(x), a, b)[0] - 1, low, high, xtol=1e-6)
+    return float(delta), peak(build(delta), a, b)[1]
 
 
 def _reaches(form: Loop, a: float, b: float, log_scale: np.ndarray, low: float, high: float, nodes: int = 9) -> float:

@@ -183,7 +183,7 @@ def norm_riccati(form: Loop, log_scale: np.ndarray, gamma: float) -> tuple[np.nd
     Z, through = form.Cz, np.hstack([form.Dw, form.Dd])
     weight = Z.T @ D @ Z + form.C.T @ form.C
     R = through.T @ D @ through - np.diag(np.concatenate([d[OF_CHANNEL], np.full(3, gamma**2)]))
-    best, found = 0.0, None
+    best, solution = 0.0, None
     for lift in 10.0 ** np.arange(-1, -7.5, -0.5):
         try:
             raised = weight + lift * np.trace(weight) / 12 * np.eye(12)
@@ -197,9 +197,9 @@ def norm_riccati(form: Loop, log_scale: np.ndarray, gamma: float) -> tuple[np.nd
         scale = 1 / np.sqrt(np.abs(np.diag(matrix)))
         margin = float(np.linalg.eigvalsh(scale[:, None] * matrix * scale)[0])
         if np.linalg.eigvalsh(P)[0] > 0 and margin > best:
-            best, found = margin, P
-    if found is not None:
-        return found, d
+            best, solution = margin, P
+    if solution is not None:
+        return solution, d
     raise ComputationError("norm", f"no solution of the Riccati equation at gamma {gamma}")
 
 

@@ -306,9 +306,9 @@ def closed_loop(
 def enclosed_poles(A: np.ndarray, of: Callable[[acb], arb]) -> dict[str, float]:
     """Largest value of a function of the eigenvalues of a rational matrix: nearest double, and ends of its ball."""
     with precision(ROOT_BITS):
-        found = [of(ball) for ball, _ in roots(rational(A).charpoly())]
-        least = max(lower(value) for value in found)
-        most = max(upper(value) for value in found)
+        eigenvalues = [of(ball) for ball, _ in roots(rational(A).charpoly())]
+        least = max(lower(value) for value in eigenvalues)
+        most = max(upper(value) for value in eigenvalues)
     return {"value": float((least + most) / 2), "lower": below(arb(to_fmpq(least))), "upper": above(arb(to_fmpq(most)))}
 
 

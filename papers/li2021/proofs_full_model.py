@@ -114,8 +114,8 @@ def witness(case: Case) -> tuple[np.ndarray, np.ndarray]:
         "x0": (inv @ begin)[:, None],
     }
     values = solve(least_torque(data, OF_CHANNEL).program(), near=near, rounds=1).need("Figure 6, torque bound").values
-    found = inv.T @ values["P"] @ inv
-    return (found + found.T) / 2, np.array([values[f"d{i}"] for i in range(len(c))]) / c**2
+    P = inv.T @ values["P"] @ inv
+    return (P + P.T) / 2, np.array([values[f"d{i}"] for i in range(len(c))]) / c**2
 
 
 def certificate(case: Case, P: np.ndarray, multipliers: np.ndarray) -> Certificate:

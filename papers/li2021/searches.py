@@ -78,21 +78,21 @@ def limit_of_one_matrix(case: Case, gains: plant.Gains, high: float) -> float:
     return float(brentq(shared, 0.002, high, xtol=1e-5))
 
 
-def inside(found: Limits) -> float:
+def inside(reach: Limits) -> float:
     """Gain variation just inside both limits."""
-    return min(ROOM * found.disk, ROOM_OF_NORM * found.norm)
+    return min(ROOM * reach.disk, ROOM_OF_NORM * reach.norm)
 
 
-def point_level(found: Limits) -> dict[str, np.ndarray]:
+def point_level(reach: Limits) -> dict[str, np.ndarray]:
     """Level at which a point of the trade-off is to be certified, by arcs."""
-    return {"level": np.array([[float(f"{ROOM_OF_POINTS * found.both:.4g}")]])}
+    return {"level": np.array([[float(f"{ROOM_OF_POINTS * reach.both:.4g}")]])}
 
 
-def levels(case: Case, gains: plant.Gains, found: Limits) -> dict[str, np.ndarray]:
+def levels(case: Case, gains: plant.Gains, reach: Limits) -> dict[str, np.ndarray]:
     """Levels at which the requirements are to be certified: by arcs, and with one quadratic function for the disk."""
-    single = min(limit_of_one_matrix(case, gains, found.disk), found.both)
+    single = min(limit_of_one_matrix(case, gains, reach.disk), reach.both)
     return {
-        "level": np.array([[float(f"{inside(found):.4g}")]]),
+        "level": np.array([[float(f"{inside(reach):.4g}")]]),
         "level_quadratic": np.array([[float(f"{ROOM_OF_ONE * single:.4g}")]]),
     }
 
@@ -115,16 +115,19 @@ def improved(case: Case, gains: plant.Gains, wishes: design.Wishes) -> design.Im
     disk = (case.number("disk_centre"), case.number("disk_radius"))
     k = plant.constants(case)
     constant = plant.disturbance(case, k) @ np.array([1.0, 0.0, 1.0])
-    found = design.improve(k, gains, wishes, disk, case.matrix("x0").ravel(), constant)
+    outcome = design.improve(k, gains, wishes, disk, case.matrix("x0").ravel(), constant)
     return design.Improved(
-        design.unpack(rounded(design.pack(found.gains), DIGITS)), found.converged, found.iterations, found.evaluations
+        design.unpack(rounded(design.pack(outcome.gains), DIGITS)),
+        outcome.converged,
+        outcome.iterations,
+        outcome.evaluations,
     )
 
 
-def _found(
+def _design(
     case: Case,
     gains: plant.Gains,
-    found: Limits,
+    reach: Limits,
     level: Mapping[str, np.ndarray],
     *,
     asked: str,
@@ -137,7 +140,7 @@ def _found(
         method=method,
         matrices={"A": gains.A, "B": gains.B, "C": gains.C, **level},
         converged=converged,
-        outcome={"limit_disk": found.disk, "limit_norm": found.norm, **measures(case, gains)},
+        outcome={"limit_disk": reach.disk, "limit_norm": reach.norm, **measures(case, gains)},
         effort=effort,
         seed=0,
         digits=DIGITS,
@@ -157,12 +160,12 @@ def repaired(case: Case) -> FoundDesign:
         drawn_abscissa=-0.02,
     )
     reached = improved(case, plant.controller(case, "proposed"), wishes)
-    found = limits(case, reached.gains)
-    return _found(
+    reach = limits(case, reached.gains)
+    return _design(
         case,
         reached.gains,
-        found,
-        levels(case, reached.gains, found),
+        reach,
+        levels(case, reached.gains, reach),
         asked="more gain variation than the printed gains allow, with a smaller disk, norm, static gain, steady error "
         "and torque, and poles further left in the flexible loop and under random gains",
         method="quasi-Newton minimisation of the scaled norms with one-sided penalties, from the printed gains",
@@ -172,8 +175,8 @@ def repaired(case: Case) -> FoundDesign:
 
 
 def _meets(case: Case, gains: plant.Gains, wish: Mapping[str, float]) -> bool:
-    found = measures(case, gains)
-    return all(found[name] <= bound for name, bound in wish.items())
+    values = measures(case, gains)
+    return all(values[name] <= bound for name, bound in wish.items())
 
 
 def tradeoff(case: Case, name: str) -> FoundDesign:
@@ -192,8 +195,8 @@ def tradeoff(case: Case, name: str) -> FoundDesign:
     iterations = evaluations = 0
     for start, gains in starts.items():
         if start != "the printed gains":
-            found = limits(case, gains)
-            candidates.append((found.both, gains, found, case.designs[start].file.converged))
+            reach = limits(case, gains)
+            candidates.append((reach.both, gains, reach, case.designs[start].file.converged))
         for delta in ladder:
             reached = improved(case, gains, design.Wishes(delta, gamma=9.0, torque=0.6, **asked))
             gains, iterations, evaluations = (
@@ -202,18 +205,18 @@ def tradeoff(case: Case, name: str) -> FoundDesign:
                 evaluations + reached.evaluations,
             )
             if _meets(case, gains, wish):
-                found = limits(case, gains)
-                candidates.append((found.both, gains, found, reached.converged))
-                print(f"  {name} from {start} at {delta}: {found.both:.5f}, converged {reached.converged}", flush=True)
+                reach = limits(case, gains)
+                candidates.append((reach.both, gains, reach, reached.converged))
+                print(f"  {name} from {start} at {delta}: {reach.both:.5f}, converged {reached.converged}", flush=True)
     if not candidates:
         raise ComputationError(name, "no gains meet the wish")
-    _, gains, found, converged = max(candidates, key=lambda candidate: candidate[0])
+    _, gains, reach, converged = max(candidates, key=lambda candidate: candidate[0])
     bounds = ", ".join(f"{key.replace('_', ' ')} at most {bound:g}" for key, bound in wish.items())
-    return _found(
+    return _design(
         case,
         gains,
-        found,
-        point_level(found),
+        reach,
+        point_level(reach),
         asked=f"the largest gain variation with disk, norm and torque, {bounds}",
         method=f"quasi-Newton minimisation of the scaled norms with one-sided penalties, from {', '.join(starts)}",
         converged=converged,
@@ -230,12 +233,12 @@ def best(case: Case) -> FoundDesign:
     """The point of the trade-off with the largest gain variation, again."""
     chosen = max(TRADE_OFF, key=lambda name: case.designs[name]["level"][0, 0])
     gains = plant.controller(case, chosen)
-    found = limits(case, gains)
-    return _found(
+    reach = limits(case, gains)
+    return _design(
         case,
         gains,
-        found,
-        levels(case, gains, found),
+        reach,
+        levels(case, gains, reach),
         asked="the largest gain variation with disk, norm and torque together",
         method=f"the best of the trade-off: {chosen}",
         converged=case.designs[chosen].file.converged,
@@ -246,13 +249,13 @@ def best(case: Case) -> FoundDesign:
 def printed_levels(case: Case) -> FoundDesign:
     """Levels at which the printed gains are to be certified."""
     gains = plant.controller(case, "proposed")
-    found = limits(case, gains)
+    reach = limits(case, gains)
     return FoundDesign(
         asked="gain variations just below the limits of the printed gains, at which all requirements are certified",
         method="bisection on the largest scaled norm over the circle and over the imaginary axis",
-        matrices=levels(case, gains, found),
+        matrices=levels(case, gains, reach),
         converged=True,
-        outcome={"limit_disk": found.disk, "limit_norm": found.norm},
+        outcome={"limit_disk": reach.disk, "limit_norm": reach.norm},
         digits=DIGITS,
     )
 
@@ -265,10 +268,10 @@ def _decided(case: Case, lam: float) -> Solved | Infeasible:
     ComputationError
         If neither is found.
     """
-    found = lemma_3(case, lam=repr(lam), g=TABLES["g"]).by_margin()
-    if not isinstance(found, Solved | Infeasible):
-        raise ComputationError("(12)", f"no margin at lambda = {lam}", found.attempts)
-    return found
+    outcome = lemma_3(case, lam=repr(lam), g=TABLES["g"]).by_margin()
+    if not isinstance(outcome, Solved | Infeasible):
+        raise ComputationError("(12)", f"no margin at lambda = {lam}", outcome.attempts)
+    return outcome
 
 
 def _provable(case: Case, inside: float, outside: float) -> bool:
@@ -280,7 +283,7 @@ def _provable(case: Case, inside: float, outside: float) -> bool:
 
 def lambda_band(case: Case) -> FoundDesign:
     """Values of lambda just inside and just outside the band on which (12) can be met."""
-    found, solves = {}, 0
+    band, solves = {}, 0
     for end, (within, outside) in {"low": (0.0, -0.6), "high": (1.0, 2.5)}.items():
         while abs(outside - within) > np.log10(1 + BAND):
             middle, solves = 0.5 * (within + outside), solves + 1
@@ -294,14 +297,14 @@ def lambda_band(case: Case) -> FoundDesign:
             if _provable(case, *ends):
                 break
             within, outside = within + (within - outside) / 2, outside + (outside - within) / 2
-        found[f"{end}_inside"], found[f"{end}_outside"] = (np.array([[value]]) for value in ends)
+        band[f"{end}_inside"], band[f"{end}_outside"] = (np.array([[value]]) for value in ends)
         print(f"  lambda {end}: {ends}, bisected to {width:.2g} in log10", flush=True)
     return FoundDesign(
         asked="the ends of the band of lambda on which (12) can be met over all gains, each from both sides",
         method="bisection over log lambda on the largest common margin",
-        matrices=found,
+        matrices=band,
         converged=True,
-        outcome={name: float(value[0, 0]) for name, value in found.items()},
+        outcome={name: float(value[0, 0]) for name, value in band.items()},
         effort={"solves": solves},
         digits=DIGITS,
     )

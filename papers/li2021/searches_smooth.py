@@ -336,7 +336,7 @@ def improve(
             return value, slope * unit
 
         options = {"maxiter": iterations, "maxfun": 2 * iterations, "maxcor": 40, "ftol": 1e-8, "gtol": 1e-6}
-        found = minimize(scaled, x / unit, jac=True, method="L-BFGS-B", options=options)
-        gains = unpack((found.x * unit)[:GAINS])
-        used, evaluated, converged = used + found.nit, evaluated + found.nfev, bool(found.success)
+        minimum = minimize(scaled, x / unit, jac=True, method="L-BFGS-B", options=options)
+        gains = unpack((minimum.x * unit)[:GAINS])
+        used, evaluated, converged = used + minimum.nit, evaluated + minimum.nfev, bool(minimum.success)
     return Improved(gains, converged, used, evaluated)

@@ -27,8 +27,8 @@ ROUNDED = (9, 12, 15, 17)
 
 def decided(results: Results, quantity: str, stated: Stated, **parts: Any) -> None:
     """Decide by the largest common margin whether a program has a point, and prove it."""
-    found = results.attempted(stated.label, stated.by_margin())
-    prove(results, quantity, stated, found, digits=ROUNDED, **parts)
+    outcome = results.attempted(stated.label, stated.by_margin())
+    prove(results, quantity, stated, outcome, digits=ROUNDED, **parts)
 
 
 @task("Section II.B, factors")
@@ -102,10 +102,10 @@ def theorem1(case: Case, results: Results) -> None:
 @task("(17) against (13)")
 def not_equivalent(case: Case, results: Results) -> None:
     """(13) holds at some scalars, although (17) does at none."""
-    found = proofs.lemma_3(case, uncertain=True, g=TABLES["g"]).by_margin()
-    if not isinstance(found, Solved):
-        raise ComputationError("(13)", "no point with room to spare", found.attempts)
-    results.prove(proofs.solution_of_13(case, found.values), source="Theorem 2")
+    outcome = proofs.lemma_3(case, uncertain=True, g=TABLES["g"]).by_margin()
+    if not isinstance(outcome, Solved):
+        raise ComputationError("(13)", "no point with room to spare", outcome.attempts)
+    results.prove(proofs.solution_of_13(case, outcome.values), source="Theorem 2")
     results.say("(17) against (13)", "not equivalent: (13) has a solution at some scalars, (17) at none")
 
 
@@ -126,10 +126,10 @@ def lemma4(case: Case, results: Results) -> None:
 
 def rooted(results: Results, quantity: str, stated: Stated, *, sentence: str, id: str) -> float:
     """Enclose the least gamma^2 of (12), and with it gamma."""
-    found = optimum(results, stated, margins=MARGINS)
+    root = optimum(results, stated, margins=MARGINS)
     square = f"{quantity}_squared"
-    lower, upper = enclose(results, square, stated, found, sentence=sentence, id=id, source="(12)", digits=LONG)
-    gamma = float(np.sqrt(np.clip(found.value, lower, upper)))
+    lower, upper = enclose(results, square, stated, root, sentence=sentence, id=id, source="(12)", digits=LONG)
+    gamma = float(np.sqrt(np.clip(root.value, lower, upper)))
     ends = {"lower": float(np.nextafter(np.sqrt(lower), 0)), "upper": float(np.nextafter(np.sqrt(upper), np.inf))}
     results.quantity(quantity, gamma, method=f"square root of {square}", source="(12)", **ends)
     return gamma
@@ -156,10 +156,10 @@ def lambda_band(case: Case, results: Results) -> None:
     band = case.designs["lambda_band"]
     for end in ("low", "high"):
         inside, outside = (float(band[f"{end}_{side}"][0, 0]) for side in ("inside", "outside"))
-        found = proofs.lemma_3(case, lam=repr(inside), g=TABLES["g"]).solve()
-        if not isinstance(found, Solved):
-            raise ComputationError("(12)", f"no point at lambda = {inside}", found.attempts)
-        results.certificate(proofs.end_of_band(case, found.values, inside, end))
+        outcome = proofs.lemma_3(case, lam=repr(inside), g=TABLES["g"]).solve()
+        if not isinstance(outcome, Solved):
+            raise ComputationError("(12)", f"no point at lambda = {inside}", outcome.attempts)
+        results.certificate(proofs.end_of_band(case, outcome.values, inside, end))
         decided(
             results,
             f"lemma3.feasible_beyond_{end}",
@@ -206,11 +206,11 @@ def printed_gains(case: Case, results: Results) -> None:
 
 
 def certify_levels(
-    case: Case, results: Results, name: str, gains: plant.Gains, formulas: certify.Formulas, found: Design
+    case: Case, results: Results, name: str, gains: plant.Gains, formulas: certify.Formulas, design: Design
 ) -> None:
     """Prove all three requirements at the levels of a search: by arcs, and with one matrix for the disk."""
     quantity = f"certified.{name}.delta_m"
-    level, alone = (float(found[entry][0, 0]) for entry in ("level", "level_quadratic"))
+    level, alone = (float(design[entry][0, 0]) for entry in ("level", "level_quadratic"))
     results.prove(
         certify.certificate(
             case,
@@ -247,8 +247,8 @@ def printed_limit(case: Case, results: Results) -> None:
 def designs(case: Case, results: Results) -> None:
     """Our designs: better than the printed gains on the paper's own measures, and with the largest gain variation."""
     for name in ("repaired", "best"):
-        found = case.designs[name]
-        certify_levels(case, results, name, plant.controller(case, name), certify.of_design(name), found)
+        design = case.designs[name]
+        certify_levels(case, results, name, plant.controller(case, name), certify.of_design(name), design)
 
 
 @task("trade-off")
@@ -259,8 +259,8 @@ def tradeoff(case: Case, results: Results) -> None:
     reached = []
     for number in range(1, 6):
         name, stem = f"tradeoff_{number}", f"tradeoff.{number}"
-        found = case.designs[name]
-        gains, level = plant.controller(case, name), float(found["level"][0, 0])
+        design = case.designs[name]
+        gains, level = plant.controller(case, name), float(design["level"][0, 0])
         loop = plant.closed_loop(k, gains)
         results.prove(
             certify.certificate(

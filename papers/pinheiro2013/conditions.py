@@ -110,21 +110,21 @@ def mixed_design(plant: GeneralizedPlant, gamma: float, *, margin: float = 1e-7)
     ComputationError
         If the solver's point does not hold, or its gain violates (23).
     """
-    found = solve(mixed_program(plant, gamma, margin=margin)).need(f"(21) at gamma = {gamma!r}, above gamma_min")
-    return evaluated(plant, gamma, found)
+    solution = solve(mixed_program(plant, gamma, margin=margin)).need(f"(21) at gamma = {gamma!r}, above gamma_min")
+    return evaluated(plant, gamma, solution)
 
 
-def evaluated(plant: GeneralizedPlant, gamma: float, found: Solved) -> Design:
+def evaluated(plant: GeneralizedPlant, gamma: float, solution: Solved) -> Design:
     """Recompute what the gain of a solution achieves and hold it against (23)."""
-    K = np.linalg.solve(found["X"], found["Y"].T).T
+    K = np.linalg.solve(solution["X"], solution["Y"].T).T
     A, B, C, D, C2 = plant.closed(K)
     h2, (hinf, _) = h2_norm(A, B, C2), hinf_norm(A, B, C, D)
-    bound = float(np.sqrt(found.objective))
+    bound = float(np.sqrt(solution.objective))
     if hinf > gamma or h2 > bound:
         raise ComputationError(
-            "(23)", f"norms {hinf!r}, {h2!r} above their bounds {gamma!r}, {bound!r}", found.attempts
+            "(23)", f"norms {hinf!r}, {h2!r} above their bounds {gamma!r}, {bound!r}", solution.attempts
         )
-    return Design(gamma, K, bound, h2, hinf, found.attempts)
+    return Design(gamma, K, bound, h2, hinf, solution.attempts)
 
 
 def h2_gain(plant: GeneralizedPlant) -> tuple[np.ndarray, np.ndarray]:
@@ -260,12 +260,12 @@ def starting_gain(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray, np
     try:
         return first, least_covariance(plant, first, gamma)
     except ComputationError:
-        low, high, found = 0.0, 1.0, None
+        low, high, start = 0.0, 1.0, None
     for _ in range(7):
         middle = 0.5 * (low + high)
         K = first + middle * (last - first)
         try:
-            found, high = (K, least_covariance(plant, K, gamma)), middle
+            start, high = (K, least_covariance(plant, K, gamma)), middle
         except ComputationError:
             low = middle
-    return found or (last, least_covariance(plant, last, gamma))
+    return start or (last, least_covariance(plant, last, gamma))

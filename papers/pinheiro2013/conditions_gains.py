@@ -111,8 +111,8 @@ def _lyapunov(S: np.ndarray, Q: np.ndarray) -> np.ndarray:
     eye = np.eye(n)
     operator = np.einsum("...ij,kl->...ikjl", S, eye) + np.einsum("ij,...kl->...ikjl", eye, S)
     sides = Q.reshape(len(S), -1, n * n)
-    found = np.linalg.solve(operator.reshape(len(S), n * n, n * n), -_t(sides))
-    return _t(found).reshape(Q.shape)
+    solution = np.linalg.solve(operator.reshape(len(S), n * n, n * n), -_t(sides))
+    return _t(solution).reshape(Q.shape)
 
 
 def _stable(A: np.ndarray) -> np.ndarray:

@@ -68,15 +68,15 @@ def true_optimum(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray, flo
         k1 = lowest * np.exp(logarithm)
         free = max((gamma**2 - size**2) * (gamma**2 * k1**2 - 2 * size**2), 0.0)
         floor = np.sqrt(max(2 * k1 - 2 / gamma**2 * np.sqrt(free), 1e-12))
-        found = minimize_scalar(
+        minimum = minimize_scalar(
             lambda x: norms(plant, k1, floor * np.exp(x))[0], bounds=(0, 8), method="bounded", options={"xatol": 1e-12}
         )
-        inner = floor * np.exp(found.x)
+        inner = floor * np.exp(minimum.x)
         return min((norms(plant, k1, k2)[0], k1, k2) for k2 in (floor, inner))
 
     grid = np.linspace(0, 8, 161)
     i = int(np.argmin([along(x)[0] for x in grid]))
     bounds = (grid[max(i - 1, 0)], grid[min(i + 1, len(grid) - 1)])
-    found = minimize_scalar(lambda x: along(x)[0], bounds=bounds, method="bounded", options={"xatol": 1e-12})
-    h2, k1, k2 = min(along(found.x), along(grid[i]))
+    minimum = minimize_scalar(lambda x: along(x)[0], bounds=bounds, method="bounded", options={"xatol": 1e-12})
+    h2, k1, k2 = min(along(minimum.x), along(grid[i]))
     return np.array([[k1 + plant.A[1, 0], k2]]) / plant.B2[1, 0], h2

@@ -88,28 +88,28 @@ def stages(poles: np.ndarray, length: float, step: float = np.inf) -> list[tuple
         Longest step, s.
     """
     modes = poles[np.argsort(poles.real, kind="stable")]
-    found, begin = [], 0.0
+    intervals, begin = [], 0.0
     for i, mode in enumerate(modes):
         end = min(LASTS / -mode.real, length)
         if end > begin:
             longest = min(FINE / np.abs(modes[i:]).max(), step)
-            found.append((end - begin, int(np.ceil((end - begin) / longest))))
+            intervals.append((end - begin, int(np.ceil((end - begin) / longest))))
             begin = end
     if begin < length:
-        found.append((length - begin, max(int(np.ceil((length - begin) / min(step, length))), 1)))
-    return found
+        intervals.append((length - begin, max(int(np.ceil((length - begin) / min(step, length))), 1)))
+    return intervals
 
 
 def _largest(pieces: Sequence[tuple[float, Response]], output: np.ndarray) -> Peak:
     """Largest modulus of a linear output over responses that begin one after another."""
-    found = Peak(0.0, 0.0)
+    largest = Peak(0.0, 0.0)
     # The largest sample of all first: most turns cannot exceed it, and are not located.
     sampled = max(float(np.abs(response.states @ output).max()) for _, response in pieces)
     for begin, response in pieces:
-        peak = response.peak(output, max(sampled, abs(found.value)))
-        if abs(peak.value) > abs(found.value):
-            found = Peak(begin + peak.time, peak.value)
-    return found
+        peak = response.peak(output, max(sampled, abs(largest.value)))
+        if abs(peak.value) > abs(largest.value):
+            largest = Peak(begin + peak.time, peak.value)
+    return largest
 
 
 class Transient:

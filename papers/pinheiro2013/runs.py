@@ -96,16 +96,16 @@ def release(reconstructed: str, design: str) -> Simulate:
                 states[:, [i, i + 3]] = Response(other, start, end, round(end / STEP)).states[:, [i, i + 3]]
             _log(log, f"plant_{k + 1}", nominal.time, states, K)
         for where, wheel in (("nonlinear", None), ("nonlinear_limited", limit)):
-            found = responses.nonlinear(satellite, K, start, end, limit=wheel)
-            states = responses.angle_rates(found(nominal.time), satellite.n)
+            flight = responses.nonlinear(satellite, K, start, end, limit=wheel)
+            states = responses.angle_rates(flight(nominal.time), satellite.n)
             _log(log, where, nominal.time, states, K, wheel)
-            for mark in found.ends[1:-1]:
+            for mark in flight.ends[1:-1]:
                 log.event(float(mark), "saturation", f"{where}: a wheel torque passes {limit:g} N m", level="warning")
         for k in (0, 1):
             states = np.empty_like(nominal.states)
             for i in range(3):
-                found = responses.nonlinear(plants[i][k], K, start, end)
-                whole = responses.angle_rates(found(nominal.time), satellite.n)
+                flight = responses.nonlinear(plants[i][k], K, start, end)
+                whole = responses.angle_rates(flight(nominal.time), satellite.n)
                 states[:, [i, i + 3]] = whole[:, [i, i + 3]]
             _log(log, f"nonlinear_plant_{k + 1}", nominal.time, states, K)
         log.bound("wheel_torque", "mN m", lower=-1e3 * limit, upper=1e3 * limit)
@@ -137,8 +137,8 @@ def disturbed(reconstructed: str, design: str) -> Simulate:
                 peak = linear.peak(output)
                 second = abs(coarse.peak(output).value)
                 log.extreme(f"peak_{what}_{name}", peak.time, abs(peak.value), unit, second=second)
-        found = responses.nonlinear(satellite, K, np.zeros(6), end, torque=torque, rtol=1e-8, method="LSODA")
-        whole = responses.angle_rates(found(time[shown]), satellite.n)
+        flight = responses.nonlinear(satellite, K, np.zeros(6), end, torque=torque, rtol=1e-8, method="LSODA")
+        whole = responses.angle_rates(flight(time[shown]), satellite.n)
         _log(log, "nonlinear", time[shown], whole, K)
         for instant, what in ((torque.start, "begins"), (torque.end, "ends")):
             log.event(instant, "step", f"the constant torque of (25) {what}")
@@ -183,26 +183,26 @@ def measure_release(reconstructed: str, design: str) -> Measure:
     """Return the function that reads a release's quantities from its log."""
 
     def measure(case: Case, log: Log) -> dict[str, Measured]:
-        prefix, found = f"{reconstructed}.{DESIGNS[design][0]}", {}
+        prefix, numbers = f"{reconstructed}.{DESIGNS[design][0]}", {}
         for name in NAMES:
             angle, torque = _measured(log, f"peak_angle_{name}"), _measured(log, f"peak_torque_{name}")
             worst = max((_measured(log, f"difference_{name}_plant_{k}") for k in (1, 2)), key=lambda m: m.value)
-            found[f"{prefix}.peak_angle.{name}"] = angle
-            found[f"{prefix}.peak_torque.{name}"] = torque
-            found[f"{prefix}.absolute_difference.{name}"] = worst
-            found[f"{prefix}.relative_difference.{name}"] = _relative(worst, angle)
-            found[f"{prefix}.settling.{name}"] = Measured(
+            numbers[f"{prefix}.peak_angle.{name}"] = angle
+            numbers[f"{prefix}.peak_torque.{name}"] = torque
+            numbers[f"{prefix}.absolute_difference.{name}"] = worst
+            numbers[f"{prefix}.relative_difference.{name}"] = _relative(worst, angle)
+            numbers[f"{prefix}.settling.{name}"] = Measured(
                 log.extremes[f"settling_{name}"].value, f"last time above {responses.SETTLED:.0%} of the peak, located"
             )
             for where in ("nonlinear", "nonlinear_limited"):
                 apart = log[f"/{where}/angles"].column(name) - log["/nominal/angles"].column(name)
-                found[f"{prefix}.{where}_difference.{name}"] = Measured(
+                numbers[f"{prefix}.{where}_difference.{name}"] = Measured(
                     float(np.abs(apart).max()) / angle.value,
                     f"largest difference at samples {STEP} s apart, over the peak",
                 )
         momentum = np.abs(log["/nominal/rates"].values) * np.array(reconstruction(case, reconstructed).inertia)
-        found[f"{prefix}.peak_momentum"] = Measured(float(momentum.max()), "largest I times rate at the samples")
-        return found
+        numbers[f"{prefix}.peak_momentum"] = Measured(float(momentum.max()), "largest I times rate at the samples")
+        return numbers
 
     return measure
 
@@ -211,11 +211,11 @@ def measure_disturbed(reconstructed: str, design: str) -> Measure:
     """Return the function that reads the quantities of a response to (25) from its log."""
 
     def measure(case: Case, log: Log) -> dict[str, Measured]:
-        prefix, found = f"{reconstructed}.{DESIGNS[design][0]}.disturbed", {}
+        prefix, numbers = f"{reconstructed}.{DESIGNS[design][0]}.disturbed", {}
         for name in NAMES:
             for what in ("angle", "torque"):
-                found[f"{prefix}.peak_{what}.{name}"] = _measured(log, f"peak_{what}_{name}")
-        return found
+                numbers[f"{prefix}.peak_{what}.{name}"] = _measured(log, f"peak_{what}_{name}")
+        return numbers
 
     return measure
 

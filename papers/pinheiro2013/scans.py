@@ -44,11 +44,11 @@ def inputs(case: Case, names: tuple[str, ...], printed: tuple[str, ...] = ()) ->
         See `as_printed`: where it is empty, the moments are those of any microsatellite, the range of reconstruction B;
         else those that bear out the printed levels, the range of reconstruction A.
     """
-    found = []
+    ranges = []
     for name in names:
         entry = f"inertia_{'a' if printed else 'b'}_{name[-1]}" if name.startswith("inertia") else name
-        found.append(replace(plausible(case, entry, logarithmic=name in _LOGARITHMIC), name=name, parameter=entry))
-    return tuple(found)
+        ranges.append(replace(plausible(case, entry, logarithmic=name in _LOGARITHMIC), name=name, parameter=entry))
+    return tuple(ranges)
 
 
 def rigid(case: Case) -> Callable[[Mapping], bool]:
@@ -188,12 +188,12 @@ class Shared:
                 if shape not in self._designs:
                     self._designs[shape] = Designs(self.case, dict(shape))
                 self._studies[key] = Study(self.case, dict(key), self._designs[shape])
-        found = [self._studies[key] for key in keys]
-        new = [designs for designs in dict.fromkeys(s.designs for s in found) if "gains" not in vars(designs)]
+        studies = [self._studies[key] for key in keys]
+        new = [designs for designs in dict.fromkeys(s.designs for s in studies) if "gains" not in vars(designs)]
         if new and set(DESIGN) <= set(names):
             for designs, of_one in zip(new, gains_of(new), strict=True):
                 designs.gains = of_one
-        return found
+        return studies
 
 
 def ask(case: Case, results: Results, question: Question, shared: Shared) -> None:
@@ -202,7 +202,7 @@ def ask(case: Case, results: Results, question: Question, shared: Shared) -> Non
     def together(points: Sequence[Mapping]) -> list[float]:
         return [question.value(study) for study in shared.studies(points, question.inputs)]
 
-    found = scan(
+    answer = scan(
         case,
         question.quantity,
         inputs(case, question.inputs, question.printed),
@@ -213,7 +213,7 @@ def ask(case: Case, results: Results, question: Question, shared: Shared) -> Non
         samples=int(case.number("scan_samples")),
         seed=int(case.number("scan_seed")),
     )
-    results.scan(found)
+    results.scan(answer)
     name = "A" if question.printed else "B"
     here = {} if question.printed else {f"inertia_{axis}": case.number(f"inertia_b_{axis}") for axis in "xyz"}
     results.quantity(
@@ -222,9 +222,9 @@ def ask(case: Case, results: Results, question: Question, shared: Shared) -> Non
         lower=None,
         upper=None,
         source=f"reconstruction {name}",
-        method=f"at reconstruction {name}; scanned: {found.note}",
+        method=f"at reconstruction {name}; scanned: {answer.note}",
     )
-    results.say(f"scan {question.quantity}", found.note)
+    results.say(f"scan {question.quantity}", answer.note)
 
 
 @task("scan over missing inputs")

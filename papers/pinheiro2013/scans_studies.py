@@ -74,15 +74,15 @@ def gains_of(designs: Sequence["Designs"]) -> list[dict[tuple[str, str], np.ndar
     ComputationError
         If a gain does not meet the first-order condition.
     """
-    found: list[dict[tuple[str, str], np.ndarray]] = [{} for _ in designs]
+    gain_of: list[dict[tuple[str, str], np.ndarray]] = [{} for _ in designs]
     for group in SEPARATE:
         plants = [(d.plants[group], d.gamma(level, group)) for d in designs for level in LEVELS]
         limits = [mixed.limit_gain(plant) for plant, _ in plants]
         stacked = gains.stack([plant for plant, _ in plants], [gamma for _, gamma in plants], limits)
         K, _ = gains.least_trace_gains(stacked)
-        for i, of_one in enumerate(found):
+        for i, of_one in enumerate(gain_of):
             of_one.update({(level, group): K[len(LEVELS) * i + j] for j, level in enumerate(LEVELS)})
-    return found
+    return gain_of
 
 
 class Designs:
@@ -141,16 +141,16 @@ class Designs:
     @cached_property
     def releases(self) -> dict[tuple[str, str], tuple[responses.Transient, list[responses.Transient]]]:
         """Response of the nominal plant, and beside plants 1 and 2, by level and group."""
-        found = {}
+        releases = {}
         for (level, group), K in self.gains.items():
             rates = self.case.matrix("initial_rates")[["xyz".index(a) for a in GROUPS[group]], 0] * np.pi / 180
             A, start = responses.loop_matrix(self.satellite, group, K), np.concatenate([np.zeros(len(rates)), rates])
             others = [responses.loop_matrix(p, group, K) for p in perturbed(self.case, self.satellite, group)]
-            found[level, group] = (
+            releases[level, group] = (
                 responses.Transient(A, start),
                 [responses.Transient(*responses.paired(A, other, start)) for other in others],
             )
-        return found
+        return releases
 
     @cache  # noqa: B019 (designs live as long as the scans)
     def peak_angle(self, level: str) -> np.ndarray:
@@ -203,14 +203,14 @@ class Designs:
 
     def h2_excess(self) -> float:
         """Excess of the H2 norm at gamma = 100 over its optimum, the larger of the two groups."""
-        found = []
+        excesses = []
         for group, plant in self.plants.items():
             norms = []
             for K in (self.gains["h2", group], self.h2_gains[group]):
                 A, B, _, _, C2 = plant.closed(K)
                 norms.append(h2_norm(A, B, C2))
-            found.append(norms[0] / norms[1] - 1)
-        return max(found)
+            excesses.append(norms[0] / norms[1] - 1)
+        return max(excesses)
 
     def stable_range(self, level: str) -> float:
         """Largest share, in hundredths below 1, by which all moments may change with every loop stable at its corners.
@@ -302,7 +302,7 @@ class Study:
     def disturbed(self) -> dict[str, np.ndarray]:
         """Largest modulus under (25) by level: of each angle, rad, then of each control torque, N m; shape (2, 3)."""
         torque, end = responses.disturbance(self.case, int(self.point["harmonics"])), self.point["disturbance_horizon"]
-        found = {level: np.zeros((2, 3)) for level in LEVELS}
+        peaks = {level: np.zeros((2, 3)) for level in LEVELS}
         for (level, group), K in self.gains.items():
             size = len(GROUPS[group])
             one = self.point["disturbance_axes"] == "one_axis" and size > 1
@@ -314,8 +314,8 @@ class Study:
                 for i in range(size) if acting < 0 else (acting,):
                     column = 0 if group == "pitch" else 1 + i
                     for row, output in enumerate((np.eye(2 * size)[i], K[i])):
-                        found[level][row, column] = abs(response.peak(output).value)
-        return found
+                        peaks[level][row, column] = abs(response.peak(output).value)
+        return peaks
 
     def disturbed_angle(self, level: str) -> np.ndarray:
         """Largest modulus of each angle under (25), rad."""

@@ -28,16 +28,16 @@ def least_trace_gain(plant: GeneralizedPlant, gamma: float) -> tuple[np.ndarray,
     ComputationError
         If the two differ by more than `AGREE` in the trace or `AGREE_GAIN` in the gain.
     """
-    found = best(plant, gamma)
-    K = gain_of(found, plant, gamma)
+    design = best(plant, gamma)
+    K = gain_of(design, plant, gamma)
     polished, other = mixed.mixed_by_descent(plant, gamma, K)
     apart = np.abs(polished - K).max() / np.abs(K).max()
-    if abs(other / np.sqrt(found.value) - 1) > AGREE or apart > AGREE_GAIN:
+    if abs(other / np.sqrt(design.value) - 1) > AGREE or apart > AGREE_GAIN:
         raise ComputationError("(21)", f"descent over the gains finds {other!r}, {polished.tolist()}")
     return polished, other
 
 
-def _found(gains: Mapping[str, np.ndarray], traces: Mapping[str, float], asked: str) -> FoundDesign:
+def _design(gains: Mapping[str, np.ndarray], traces: Mapping[str, float], asked: str) -> FoundDesign:
     return FoundDesign(
         asked=asked,
         method="LMI (21) with the sign corrected, then the stationary point of its trace over the gains",
@@ -58,7 +58,7 @@ def mixed_design(case: Case, name: str, level: str) -> FoundDesign:
     K[np.ix_([1], [1, 4])] = gains["pitch"]
     K[np.ix_([0, 2], [0, 2, 3, 5])] = gains["roll_yaw"]
     matrices = {"K": K, "K_pitch": gains["pitch"], "K_roll_yaw": gains["roll_yaw"]}
-    return _found(matrices, traces, f"least trace of Q under (21) at gamma = {gamma:g}, reconstruction {name.upper()}")
+    return _design(matrices, traces, f"least trace of Q under (21) at gamma = {gamma:g}, reconstruction {name.upper()}")
 
 
 def near_limit(case: Case, name: str) -> FoundDesign:
@@ -69,7 +69,7 @@ def near_limit(case: Case, name: str) -> FoundDesign:
         plant = generalized_plant(satellite, group)
         gains[f"K_{group}"], traces[group] = least_trace_gain(plant, mixed.ABOVE * mixed.gamma_min(plant))
     asked = f"least trace of Q under (21) at {mixed.ABOVE} of the infimum of the level, reconstruction {name.upper()}"
-    return _found(gains, traces, asked)
+    return _design(gains, traces, asked)
 
 
 def limit(case: Case, name: str, group: str) -> FoundDesign:

@@ -93,18 +93,18 @@ def vertices(group: str) -> list[str]:
     multiplies; taken as independent of each other they span a box that contains every pair (I, 1/I).
     """
     ends = ("(1 - share)", "(1 + share)")
-    found = []
+    systems = []
     if group == "pitch":
         for own, x, z in product(ends, repeat=3):
-            found.append(f"[[0, 1], [-3*n**2*(Ix*{x} - Iz*{z})/(Iy*{own}), 0]] - [[0], [1/(Iy*{own})]]@K")
-        return found
+            systems.append(f"[[0, 1], [-3*n**2*(Ix*{x} - Iz*{z})/(Iy*{own}), 0]] - [[0], [1/(Iy*{own})]]@K")
+        return systems
     for own_x, own_z, x, y, z in product(ends, repeat=5):
         # I/(own I) stays: its factor c = n (Ix - Iy + Iz) has Ix/Ix = 1 in roll and Iz/Iz = 1 in yaw.
         roll = f"[[-4*n**2*(Iy*{y} - Iz*{z})/(Ix*{own_x}), 0, 0, n*(1 + (Iz*{z} - Iy*{y})/(Ix*{own_x}))]]"
         yaw = f"[[0, -n**2*(Iy*{y} - Ix*{x})/(Iz*{own_z}), -n*(1 + (Ix*{x} - Iy*{y})/(Iz*{own_z})), 0]]"
         torque = f"diag(1/(Ix*{own_x}), 1/(Iz*{own_z}))"
-        found.append(f"col([[0, 0, 1, 0], [0, 0, 0, 1]], {roll}, {yaw}) - col(zeros(2, 2), {torque})@K")
-    return found
+        systems.append(f"col([[0, 0, 1, 0], [0, 0, 0, 1]], {roll}, {yaw}) - col(zeros(2, 2), {torque})@K")
+    return systems
 
 
 #: matrices of a generalized plant that is given in doubles

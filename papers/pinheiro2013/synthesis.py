@@ -54,7 +54,7 @@ def best(plant: GeneralizedPlant, gamma: float) -> Infimum:
 STATIONARY = 1e-8
 
 
-def trace_within(plant: GeneralizedPlant, gamma: float, K: np.ndarray, found: Infimum) -> float:
+def trace_within(plant: GeneralizedPlant, gamma: float, K: np.ndarray, optimum: Infimum) -> float:
     """Root of the trace of Q that a gain gives by its Riccati equation; it must be least.
 
     Raises
@@ -64,16 +64,16 @@ def trace_within(plant: GeneralizedPlant, gamma: float, K: np.ndarray, found: In
     """
     trace = mixed.trace_of_gain(plant, K, gamma)
     slope = np.abs(mixed.trace_gradient(plant, K, gamma) * np.abs(K)).max() / trace if np.isfinite(trace) else np.inf
-    if not found.lower * (1 - AGREE) <= trace <= found.upper * (1 + AGREE) or not slope < STATIONARY:
+    if not optimum.lower * (1 - AGREE) <= trace <= optimum.upper * (1 + AGREE) or not slope < STATIONARY:
         raise ComputationError(
             "(21)",
             f"the design has the trace {trace!r} with a relative slope of {slope:.1e}, the LMI encloses "
-            f"{found.lower!r}..{found.upper!r}: search it again",
+            f"{optimum.lower!r}..{optimum.upper!r}: search it again",
         )
     return float(np.sqrt(trace))
 
 
-def gain_of(found: Infimum, plant: GeneralizedPlant, gamma: float) -> np.ndarray:
+def gain_of(optimum: Infimum, plant: GeneralizedPlant, gamma: float) -> np.ndarray:
     """Gain (22) of the optimum, held against the least trace that its Riccati equation gives for it alone.
 
     Raises
@@ -81,10 +81,12 @@ def gain_of(found: Infimum, plant: GeneralizedPlant, gamma: float) -> np.ndarray
     ComputationError
         If the two values of the trace differ by more than `AGREE`.
     """
-    K = np.linalg.solve(found.values["X"], found.values["Y"].T).T
+    K = np.linalg.solve(optimum.values["X"], optimum.values["Y"].T).T
     own = mixed.trace_of_gain(plant, K, gamma)
-    if not abs(own / found.value - 1) < AGREE:
-        raise ComputationError("(21)", f"trace {found.value!r} by the LMI, {own!r} by the Riccati equation of its gain")
+    if not abs(own / optimum.value - 1) < AGREE:
+        raise ComputationError(
+            "(21)", f"trace {optimum.value!r} by the LMI, {own!r} by the Riccati equation of its gain"
+        )
     return K
 
 
@@ -115,16 +117,16 @@ def levels(case: Case, results: Results) -> None:
 def h2_limit(case: Case, results: Results) -> None:
     """Solve the limit gamma to infinity by its Riccati equation; pitch against its closed form."""
     for name, group, plant in plants(case, results):
-        found = mixed.h2_design(plant)
-        if abs(found.h2 / found.sqrt_trace - 1) > 1e-9:
-            raise ComputationError("H2 limit", f"Riccati {found.sqrt_trace!r}, Gramian {found.h2!r}")
+        design = mixed.h2_design(plant)
+        if abs(design.h2 / design.sqrt_trace - 1) > 1e-9:
+            raise ComputationError("H2 limit", f"Riccati {design.sqrt_trace!r}, Gramian {design.h2!r}")
         if group == "pitch":
             K, norm = pitch.h2_limit(plant, reconstruction(case, name).moment("y"))
-            if max(abs(norm / found.h2 - 1), np.abs(K / found.K - 1).max()) > 1e-8:
-                raise ComputationError("H2 limit", f"closed form {norm!r}, Riccati {found.h2!r}")
+            if max(abs(norm / design.h2 - 1), np.abs(K / design.K - 1).max()) > 1e-8:
+                raise ComputationError("H2 limit", f"closed form {norm!r}, Riccati {design.h2!r}")
         results.quantity(
             f"{name}.h2_limit.{group}",
-            found.h2,
+            design.h2,
             source="(20) as gamma grows",
             method="Riccati equation and, from its gain, both Gramians"
             + (" and the closed form of a double integrator" if group == "pitch" else ""),
@@ -195,9 +197,9 @@ def designs(case: Case, results: Results) -> None:
 def _design(
     results: Results, name: str, level: str, group: str, plant: GeneralizedPlant, gamma: float, K: np.ndarray
 ) -> None:
-    found = results.attempted(f"(21) {name} {level} {group}", best(plant, gamma))
-    sqrt_trace = trace_within(plant, gamma, K, found)
-    lower, upper = np.sqrt([found.lower, found.upper])
+    design = results.attempted(f"(21) {name} {level} {group}", best(plant, gamma))
+    sqrt_trace = trace_within(plant, gamma, K, design)
+    lower, upper = np.sqrt([design.lower, design.upper])
     method = "stationary point of the Riccati equation's trace over the gains; band: LMI between checked points"
     if group == "pitch":
         for k in (1, 2):
@@ -232,17 +234,17 @@ def as_printed(case: Case, results: Results) -> None:
     plant = generalized_plant(reconstruction(case, "b"), "pitch")
     first = statements.equation_21(statements.sizes(plant), statements.pitch("b"), "number('gamma_mixed')**2")
     stated = Stated(case, [first < 0], label="(21) as printed")
-    found = stated.solve()
+    outcome = stated.solve()
     prove(
         results,
         "eq21.printed.feasible",
         stated,
-        found,
+        outcome,
         id="eq21-as-printed-infeasible",
         source="(21)",
         sentence="X and Y that satisfy the first LMI of (21) with +gamma^2 I in block (3,3), at gamma = 2, pitch, B",
     )
-    results.say("(21) as printed", type(found).__name__.lower())
+    results.say("(21) as printed", type(outcome).__name__.lower())
 
 
 @task("(21) corrected, certified")
@@ -251,14 +253,14 @@ def certified(case: Case, results: Results) -> None:
     gamma = case.number("gamma_mixed")
     for group in SEPARATE:
         plant = generalized_plant(reconstruction(case, "b"), group)
-        found = best(plant, gamma)
+        design = best(plant, gamma)
         stated = statements.paper_problem(case, plant, "b", group, "number('gamma_mixed')**2")
         sentence = f"solution of (21) with -gamma^2 I in block (3,3) at gamma = 2, {group}, reconstruction B"
         prove(
             results,
             f"b.gamma_2.feasible.{group}",
             stated,
-            found.solved,
+            design.solved,
             id=f"eq21-feasible-{group}",
             sentence=sentence,
             source="(21)",
@@ -267,7 +269,7 @@ def certified(case: Case, results: Results) -> None:
             results,
             f"b.gamma_2.trace.{group}",
             stated,
-            found,
+            design,
             id=f"eq21-least-trace-{group}",
             sentence=f"trace of Q over (21) corrected at gamma = 2, {group}, reconstruction B",
             source="(21)",

@@ -19,11 +19,11 @@ def pareto(case: Case, results: Results) -> None:
     """Follow the least H2 norm over gamma: one shared X as in (21), and the true optimum over the two gains."""
     plant = generalized_plant(reconstruction(case, "b"), "pitch")
     values = [float(level) for level in PARETO]
-    found = dict(sweep(lambda gamma: mixed.mixed_program(plant, gamma), values))
+    points = dict(sweep(lambda gamma: mixed.mixed_program(plant, gamma), values))
     count = len(values)
     stationary, _ = gains.least_trace_gains(gains.stack([plant] * count, values, [mixed.limit_gain(plant)] * count))
     for level, gamma, K in zip(PARETO, values, stationary, strict=True):
-        outcome = found[gamma]
+        outcome = points[gamma]
         if not isinstance(outcome, Solved):
             raise ComputationError("gamma sweep", f"no solution at gamma = {gamma!r}", outcome.attempts)
         trace, (A, B, _, _, C2) = mixed.trace_of_gain(plant, K, gamma), plant.closed(K)

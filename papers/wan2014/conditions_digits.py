@@ -84,11 +84,11 @@ def _step(
             demand(coefficients / hy[i, j], (Y0[i, j] - product[i, j]) / hy[i, j])
     cost = np.append(np.zeros(count), 1.0)
     bounds = [(-reach, reach)] * count + [(0, None)]
-    found = linprog(cost, A_ub=np.array(rows), b_ub=right, bounds=bounds, method="highs")
+    step = linprog(cost, A_ub=np.array(rows), b_ub=right, bounds=bounds, method="highs")
     dx = np.zeros((6, 6))
     for k, (i, j) in enumerate(_UPPER):
-        dx[i, j] = dx[j, i] = found.x[k] * hx[i, j]
-    return dx, found.x[len(_UPPER) : count].reshape(3, 6) * hk
+        dx[i, j] = dx[j, i] = step.x[k] * hx[i, j]
+    return dx, step.x[len(_UPPER) : count].reshape(3, 6) * hk
 
 
 @dataclass(frozen=True)
@@ -134,11 +134,11 @@ def spreads(case: Case, optimum: dict, rho: float) -> dict[str, Spread]:
     for name in ("X", "Y"):
         low, high = np.full(unknown[name].shape, np.nan), np.full(unknown[name].shape, np.nan)
         entries = [unknown[name][i, j] for i, j in places[name]]
-        for (i, j), found in zip(places[name], ranges(program, entries, near), strict=True):
-            low[i, j], high[i, j] = found.low, found.high
-            visited += [point for point in (found.at_low, found.at_high) if point]
+        for (i, j), span in zip(places[name], ranges(program, entries, near), strict=True):
+            low[i, j], high[i, j] = span.low, span.high
+            visited += [point for point in (span.at_low, span.at_high) if point]
             if name == "X":
-                low[j, i], high[j, i] = found.low, found.high
+                low[j, i], high[j, i] = span.low, span.high
         result[name] = _spread(low, high, optimum[name])
     K0 = np.linalg.solve(optimum["X"], optimum["Y"].T).T
     gains = [K0, *(np.linalg.solve(point["X"], point["Y"].T).T for point in visited)]
@@ -161,8 +161,8 @@ def _push(program: Program, unknown: dict, near: dict, side: int, places: list, 
     for i, j in places:
         X0, K = points[side, (i, j)]
         linear.append((Y[i, :] - K[i : i + 1] @ X) @ np.linalg.solve(X0, np.eye(6)[:, j : j + 1]))
-    for (i, j), found in zip(places, ranges(program, linear, near, sides=(side,)), strict=True):
-        point = (found.at_low, found.at_high)[side]
+    for (i, j), span in zip(places, ranges(program, linear, near, sides=(side,)), strict=True):
+        point = (span.at_low, span.at_high)[side]
         if point:
             k = np.linalg.solve(point["X"], point["Y"].T).T
             points[side, (i, j)] = point["X"], k

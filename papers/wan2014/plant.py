@@ -142,11 +142,11 @@ class ClosedLoop:
         rates[ESTIMATE, ESTIMATE] = self.model.A - self.L @ C - self.model.B @ self.K
 
         def slopes(t: float, states: np.ndarray) -> np.ndarray:
-            found, columns = states @ rates.T, states.T
+            change, columns = states @ rates.T, states.T
             free = relative_acceleration(orbit, anomaly(t), columns[POSITION], columns[VELOCITY])
             for axis, one in enumerate(free):
-                found[:, 3 + axis] += one
-            return found
+                change[:, 3 + axis] += one
+            return change
 
         return slopes
 

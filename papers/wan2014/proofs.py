@@ -197,12 +197,12 @@ def largest(results: Results, quantity: str, stated: Stated, formula: str, *, id
 
     Returns
     -------
-    found : Infimum
+    least : Infimum
         Of minus the formula.
     ends : dict
         Keys lower and upper, as `Results.quantity` takes them.
     """
-    found = optimum(results, stated.changed(minimise=f"-({formula})"))
+    least = optimum(results, stated.changed(minimise=f"-({formula})"))
     parts = stated.parts()
     parts["fields"] = {**parts["fields"], "maximise": formula}
     parts["fields"].pop("minimise", None)
@@ -210,20 +210,20 @@ def largest(results: Results, quantity: str, stated: Stated, formula: str, *, id
     below = build.feasible_point(
         id=f"{id}-below",
         statement=f"{statement}: a point bounds it from below.",
-        point={name: found.solved.values[name] for name in stated.unknowns},
+        point={name: least.solved.values[name] for name in stated.unknowns},
         quantities={"objective": quantity},
         **parts,
     )
     above = build.dual_bound(
         id=f"{id}-above",
         statement=f"{statement}: multipliers bound it from above.",
-        multipliers={n: np.atleast_2d(z) for n, z in found.multipliers.items() if n in labels},
+        multipliers={n: np.atleast_2d(z) for n, z in least.multipliers.items() if n in labels},
         quantities={"objective": quantity},
         **parts,
     )
     for certificate in (below, above):
         results.certificate(certificate)
-    return found, {end: float(c.conclusions[-1].value or "nan") for end, c in (("lower", below), ("upper", above))}
+    return least, {end: float(c.conclusions[-1].value or "nan") for end, c in (("lower", below), ("upper", above))}
 
 
 def margin(results: Results) -> Any:

@@ -48,7 +48,7 @@ def _middle(entry: tuple[int, int]) -> str:
 def flights(case: Any) -> dict[str, str]:
     """Return the inclusion of all flights with the printed gains, in xi = [x; e], as formulas over the tables."""
     acceleration = [[_middle((i, j)) for j in range(6)] for i in range(3)]
-    pushed = [f"({high} - ({low}))/2*unit(12,{3 + i}) + ({high} - ({low}))/2*unit(12,{9 + i})"
+    differences = [f"({high} - ({low}))/2*unit(12,{3 + i}) + ({high} - ({low}))/2*unit(12,{9 + i})"
               for (i, _), (low, high) in _ENTRIES.items()]  # fmt: skip
     return {
         **plant(case),
@@ -66,7 +66,7 @@ def flights(case: Any) -> dict[str, str]:
         "side": f"{RANGE}/(perigee - {RANGE})",
         "Am": "col(row(zeros(3,3), eye(3)), [[" + "], [".join(", ".join(row) for row in acceleration) + "]])",
         "Acl": "[[Am - B@K, B@K], [Am - A, A - L@C]]",
-        "H": f"row({', '.join(pushed)})",
+        "H": f"row({', '.join(differences)})",
         "Cz": f"col({', '.join(f'unit(12,{j}).T' for _, j in _ENTRIES)})",
         "rate": RATE,
         "position": "[[eye(3), zeros(3,9)]]",
@@ -136,6 +136,6 @@ def certificate(case: Case, P: np.ndarray, multipliers: np.ndarray) -> Certifica
 @task("Figures 3 and 5, every start")
 def flights_end_at_target(case: Case, results: Results) -> None:
     """Prove that every flight ends at the target, from whichever part of position and velocity the estimate starts."""
-    found = decaying(case).solve().need("decay of the flights").values
-    results.certificate(certificate(case, found["P"], np.diagonal(found["S"])))
+    values = decaying(case).solve().need("decay of the flights").values
+    results.certificate(certificate(case, values["P"], np.diagonal(values["S"])))
     results.say("Figures 3 and 5", f"within {FINAL_RANGE} m and {FINAL_SPEED} m/s of the target at the horizon: proved")

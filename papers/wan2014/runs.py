@@ -47,7 +47,7 @@ def scalars(case: Case, loop: ClosedLoop, trajectory: Trajectory) -> dict[str, t
     """Return the located numbers of a run: name -> (time, value, unit)."""
     end = float(trajectory.ends[-1])
     final = trajectory(end)
-    found = {
+    numbers = {
         "cost": (end, float(final[COST]), "1"),
         "delta_v": (end, float(final[DELTA_V]), "m/s"),
         "squared_error": (end, float(final[SQUARED_ERROR]), "1"),
@@ -57,15 +57,15 @@ def scalars(case: Case, loop: ClosedLoop, trajectory: Trajectory) -> dict[str, t
     }
     for index, axis in enumerate(AXES):
         time, value = plant.peak_thrust(loop, trajectory, index)
-        found[f"peak_f{axis}"] = (time, value, "N")
+        numbers[f"peak_f{axis}"] = (time, value, "N")
     try:
         capture = plant.capture_time(trajectory, CAPTURE_RADIUS)
-        found["capture_10m"] = (capture, capture, "s")
+        numbers["capture_10m"] = (capture, capture, "s")
     except ComputationError:
         pass  # a run that never captures has no capture time; its measures then lack it, and say so
     settled = settling_time(case, trajectory)
-    found["error_settling"] = (settled, settled, "s")
-    return found
+    numbers["error_settling"] = (settled, settled, "s")
+    return numbers
 
 
 def fly(case: Case, loop: ClosedLoop, start: np.ndarray, log: LogWriter) -> None:
@@ -118,16 +118,18 @@ def measure(prefix: str, names: tuple[str, ...]) -> Measure:
     of_extremes = measuring(prefix, names, METHOD)
 
     def measured(case: Case, log: Log) -> dict[str, Measured]:
-        found = dict(of_extremes(case, log))
+        numbers = dict(of_extremes(case, log))
         if prefix in ("audit", "audit.exact_start"):
             thrust = log["/chaser/thrust"]
             early = thrust.column("x")[thrust.time <= FLUCTUATION]
             variation = float(np.sum(np.abs(np.diff(early))))
-            found[f"{prefix}.fluctuation"] = Measured(variation, "sum of the changes between samples 0.05 s apart")
+            numbers[f"{prefix}.fluctuation"] = Measured(variation, "sum of the changes between samples 0.05 s apart")
         if "error_settling" in names and "capture_10m" in names:
             share = log.extremes["error_settling"].value / log.extremes["capture_10m"].value
-            found[f"{prefix}.error_settling_share"] = Measured(share, "settling time of the estimate over capture time")
-        return found
+            numbers[f"{prefix}.error_settling_share"] = Measured(
+                share, "settling time of the estimate over capture time"
+            )
+        return numbers
 
     return measured
 

@@ -132,7 +132,7 @@ class Flights:
         values: np.ndarray,
         output: Callable[[np.ndarray, np.ndarray], np.ndarray],
         still: np.ndarray,
-        found: np.ndarray,
+        times: np.ndarray,
     ) -> np.ndarray:
         """Locate the last time at which each output turns negative; return which are not negative at the end."""
         positive = values >= 0
@@ -140,10 +140,10 @@ class Flights:
         turned = np.flatnonzero(positive.any(axis=0) & (last < len(grid) - 1))
         if len(turned):
             low, high = grid[last[turned]], grid[last[turned] + 1]
-            found[turned] = polished_crossing(part, turned, low, high, output)
+            times[turned] = polished_crossing(part, turned, low, high, output)
         # an output that turned between two stretches turned at their common end
         fell = np.flatnonzero(still & ~positive.any(axis=0))
-        found[fell] = grid[0]
+        times[fell] = grid[0]
         return positive[-1]
 
     def _look(self, part: Segment) -> None:
@@ -217,9 +217,9 @@ def over_starts(case: Case, results: Results) -> None:
     def together(points: Sequence[Mapping]) -> list[dict[str, float]]:
         return [{quantity: read(flight, exact) for quantity, read in READINGS.items()} for flight in fly(points)]
 
-    for found in scans(case, list(READINGS), inputs, samples=SAMPLES, together=together, parts=32):
-        results.scan(found)
-        results.say(f"{found.quantity}, over the starts", found.note)
+    for scan in scans(case, list(READINGS), inputs, samples=SAMPLES, together=together, parts=32):
+        results.scan(scan)
+        results.say(f"{scan.quantity}, over the starts", scan.note)
     measured = one(1.0, 0.0)
     results.quantity(
         "audit.thrust_ratio",

@@ -33,7 +33,7 @@ BETWEEN = "upper end certified, lower end by multipliers proved for the program 
 ROOM, BOX_ROOM = 1e-6, 1e-4
 
 
-def _narrow(found: Infimum, room: float) -> Infimum:
+def _narrow(least: Infimum, room: float) -> Infimum:
     """The infimum, if it is enclosed as narrowly as the record takes for granted.
 
     Raises
@@ -41,9 +41,9 @@ def _narrow(found: Infimum, room: float) -> Infimum:
     ComputationError
         If it is not.
     """
-    if not found.upper - found.lower <= room * abs(found.value):
-        raise ComputationError("enclosure", f"{found.lower!r}..{found.upper!r}, wider than {room:g}", found.attempts)
-    return found
+    if not least.upper - least.lower <= room * abs(least.value):
+        raise ComputationError("enclosure", f"{least.lower!r}..{least.upper!r}, wider than {room:g}", least.attempts)
+    return least
 
 
 @task("(14)")
@@ -107,18 +107,18 @@ def slips_of_the_text(case: Case, results: Results) -> None:
 @task(SUBPROBLEM)
 def subproblem(case: Case, results: Results) -> None:
     """Solve the part of (14) that has a solution: the printed X, Y and K come from it."""
-    found = {}
+    optima = {}
     for name, saturated, weight in (
         ("rho", True, "1"),
         ("rho_unsaturated", False, "1"),
         ("rho_input_twice", True, "2"),
     ):
         stated = state_feedback(case, saturated, weight)
-        found[name] = _narrow(optimum(results, stated, name), ROOM)
+        optima[name] = _narrow(optimum(results, stated, name), ROOM)
         sentence = "rho over block rows 1, 3, 5, 7 of (14) with (30) at e(0) = 0"
         sentence += f"{' and (31)' if saturated else ''}{', R twice' if weight == '2' else ''}"
-        enclose(results, f"subproblem.{name}", stated, found[name], sentence=sentence, source="(14), (30), (31)")
-    best = found["rho"]
+        enclose(results, f"subproblem.{name}", stated, optima[name], sentence=sentence, source="(14), (30), (31)")
+    best = optima["rho"]
     rho = best.value
     normalised = {name: np.asarray(best.values[name]) / rho for name in ("X", "Y", "eps")}
     spread = digits.spreads(case, normalised, rho)
@@ -167,17 +167,17 @@ def rounding_of_43(case: Case, results: Results) -> None:
     """Range rho over all X and Y that round to the printed digits; prove (43) and (44) consistent."""
     stated, source, ends = printed_digits(case), "(14), (30), (31), (43)", {}
     for name, formula, sign in (("upper", "inverse_rho", 1), ("lower", "-inverse_rho", -1)):
-        found = ends[name] = _narrow(optimum(results, stated.changed(minimise=formula), f"rho_{name}"), BOX_ROOM)
-        lower, upper = sorted(sign / end for end in (found.lower, found.upper))
+        least = ends[name] = _narrow(optimum(results, stated.changed(minimise=formula), f"rho_{name}"), BOX_ROOM)
+        lower, upper = sorted(sign / end for end in (least.lower, least.upper))
         results.quantity(
-            f"box.rho_{name}", sign / found.value, lower=lower, upper=upper, method=ENCLOSED, source=source
+            f"box.rho_{name}", sign / least.value, lower=lower, upper=upper, method=ENCLOSED, source=source
         )
     for name, formula in (("x11", "X[0,0]"), ("x22", "X[1,1]"), ("eps", "eps")):
         for end, sign in (("lower", 1), ("upper", -1)):
-            found = _narrow(optimum(results, stated.changed(minimise=f"{sign}*{formula}"), f"{name}_{end}"), BOX_ROOM)
-            lower, upper = sorted((sign * found.lower, sign * found.upper))
+            least = _narrow(optimum(results, stated.changed(minimise=f"{sign}*{formula}"), f"{name}_{end}"), BOX_ROOM)
+            lower, upper = sorted((sign * least.lower, sign * least.upper))
             results.quantity(
-                f"box.{name}_{end}", sign * found.value, lower=lower, upper=upper, method=ENCLOSED, source=source
+                f"box.{name}_{end}", sign * least.value, lower=lower, upper=upper, method=ENCLOSED, source=source
             )
     sentence = "X and Y that round to (43) and satisfy block rows 1, 3, 5, 7 of (14), (30) at e(0) = 0 and (31)"
     prove(
@@ -193,14 +193,14 @@ def rounding_of_43(case: Case, results: Results) -> None:
     results.say("(43)", f"rho within {-1 / ends['lower'].value:.6e} .. {1 / ends['upper'].value:.6e}")
 
 
-def _value(found: Infimum, proved: float) -> float:
+def _value(least: Infimum, proved: float) -> float:
     """The infimum, or the least value reached where it has no proved lower end; not above what a certificate proves."""
-    value = found.value if np.isfinite(found.value) else found.upper
+    value = least.value if np.isfinite(least.value) else least.upper
     return float(min(value, proved))
 
 
-def _ends(found: Infimum) -> str:
-    return BETWEEN if np.isfinite(found.lower) else "upper end certified, the least that was reached"
+def _ends(least: Infimum) -> str:
+    return BETWEEN if np.isfinite(least.lower) else "upper end certified, the least that was reached"
 
 
 def _finite(end: float) -> float | None:
@@ -244,20 +244,20 @@ def _certified(case: Case, results: Results, name: str, gain: str) -> np.ndarray
     peaks = []
     for i, axis in enumerate(AXES):
         stated = thrust_bound(case, gain, i)
-        found = results.attempted(f"{name} {axis}", infimum(stated.program(), near=sizes)).need(stated.label)
+        ellipsoid = results.attempted(f"{name} {axis}", infimum(stated.program(), near=sizes)).need(stated.label)
         certificate = proofs.thrust_certificate(
-            case, gain, found.solved.values, i, id=f"{slug}-thrust-{axis}", quantity=f"{name}.thrust_{axis}"
+            case, gain, ellipsoid.solved.values, i, id=f"{slug}-thrust-{axis}", quantity=f"{name}.thrust_{axis}"
         )
         results.certificate(certificate)
         peaks.append(float(certificate.conclusions[-1].value or "nan"))
-        lower = _finite(found.lower)
+        lower = _finite(ellipsoid.lower)
         results.quantity(
             f"{name}.thrust_{axis}",
-            float(np.sqrt(_value(found, peaks[-1] ** 2))),
+            float(np.sqrt(_value(ellipsoid, peaks[-1] ** 2))),
             upper=peaks[-1],
             source="(5), (10)",
             lower=None if lower is None else float(np.nextafter(np.sqrt(max(lower, 0.0)), 0)),
-            method=f"infimum over 12x12 P of its own; {_ends(found)}",
+            method=f"infimum over 12x12 P of its own; {_ends(ellipsoid)}",
         )
     results.say(name, f"J <= {upper:.6e}, thrust <= {', '.join(f'{p:.2f}' for p in peaks)} N, certified")
     return np.array(peaks)

@@ -127,9 +127,9 @@ def norm(case: Case, results: Results) -> None:
     loop = craft.design_loop(K, L)
     results.certificate(proofs.norm_without_delay(case, hinf_norm(loop, 0.0).value * (1 + 1e-3)))
     for name, delay in (("delay_0", fmpq(0)), ("delay_30ms", fmpq(3, 100))):
-        found = enclosed_norm(loop, delay)
-        results.quantity(f"audit.hinf.{name}", **found, source="(7), (8)")
-        results.say("(7), (8)", f"norm {found['value']:.9g} at a delay of {float(delay.p) / float(delay.q):g} s")
+        level = enclosed_norm(loop, delay)
+        results.quantity(f"audit.hinf.{name}", **level, source="(7), (8)")
+        results.say("(7), (8)", f"norm {level['value']:.9g} at a delay of {float(delay.p) / float(delay.q):g} s")
 
 
 @task("(9)")
@@ -234,17 +234,17 @@ def flexible(case: Case, results: Results) -> None:
 def structure(case: Case, results: Results) -> None:
     """The block-diagonal structure of (25) cannot prove the flexible loop stable, not even without delay."""
     stated = proofs.block_diagonal_lyapunov(case)
-    found = results.attempted("(25)", stated.solve())
+    outcome = results.attempted("(25)", stated.solve())
     prove(
         results,
         "flexible.block_diagonal_lyapunov",
         stated,
-        found,
+        outcome,
         id="flexible-block-diagonal",
         sentence="block-diagonal Lyapunov matrix diag(P11, P12) for the flexible loop without delay",
         source="(1), (4), (6), (25)",
     )
-    results.say("(25), flexible plant", f"block-diagonal Lyapunov matrix: {type(found).__name__.lower()}")
+    results.say("(25), flexible plant", f"block-diagonal Lyapunov matrix: {type(outcome).__name__.lower()}")
 
 
 @task("LMI delay bounds, flexible plant")

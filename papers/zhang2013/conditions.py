@@ -53,7 +53,7 @@ def channel_blocks(A: np.ndarray, Bd: np.ndarray, Cd: np.ndarray, d_M: float, mu
     """
     n, r = Bd.shape
     P1, Q1, Q2, R = symmetric("P1", n), symmetric("Q1", r), symmetric("Q2", r), symmetric("R", r)
-    found = []
+    blocks = []
     for part, (c, o) in PARTS.items():
         F = BlockMatrix(f"(9{part}) of the delayed signal", "x", "v_d", "v_M", "R")
         F["x", "x"] = sym(P1 @ A) + Cd.T @ (Q1 + Q2 - (c / d_M) * R) @ Cd
@@ -64,8 +64,8 @@ def channel_blocks(A: np.ndarray, Bd: np.ndarray, Cd: np.ndarray, d_M: float, mu
         F["x", "R"] = d_M * ((Cd @ A).T @ R)
         F["v_d", "R"] = d_M * ((Cd @ Bd).T @ R)
         F["R", "R"] = -d_M * R
-        found.append(-F.assembled)
-    return (*found, P1, Q1, Q2, R)
+        blocks.append(-F.assembled)
+    return (*blocks, P1, Q1, Q2, R)
 
 
 _STEPS = (1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3)
@@ -125,8 +125,8 @@ def largest_delay(case: Case, form: Form, gamma: float, limit: float) -> tuple[f
     def room(d_M: float) -> float:
         """1/gamma^2 less the one wanted: it falls to zero almost linearly, where gamma^2 itself grows without bound."""
         program = least_gamma_program(form(case, d_M=repr(d_M), g="gamma2")).program()
-        found = find_point(program)
-        return (1 / found.objective if found is not None else 0.0) - gamma**-2
+        point = find_point(program)
+        return (1 / point.objective if point is not None else 0.0) - gamma**-2
 
     def holds(d_M: float) -> bool:
         return isinstance(form(case, d_M=repr(d_M), g=repr(gamma**2)).solve(), Solved)
@@ -211,10 +211,10 @@ def point_at(stated: Stated) -> dict[str, Any]:
         If it finds none.
     """
     for margin in (1e-4, 1e-6, 1e-8):
-        found = stated.changed(margin=margin).solve()
-        if isinstance(found, Solved):
+        outcome = stated.changed(margin=margin).solve()
+        if isinstance(outcome, Solved):
             break
-    return found.need(stated.label).values
+    return outcome.need(stated.label).values
 
 
 def flexible_point(case: Case, K: str, L: str, mode: str) -> tuple[dict[str, Any], str]:

@@ -162,7 +162,7 @@ def numbers(flight: Flight) -> dict[str, tuple[float, float, str]]:
     at_early, at_end = (solution(np.array([t]))[0] for t in (early, end))
     angle = solution.integral(lambda t, x: x[:, 0] ** 2, np.array([end]))[0]
     time, lowest = lowest_angle(flight)
-    found = {
+    values = {
         "theta_10s": (early, float(at_early[0]), "rad"),
         "theta_min": (time, lowest, "rad"),
         "theta_end": (end, float(at_end[0]), "rad"),
@@ -172,11 +172,11 @@ def numbers(flight: Flight) -> dict[str, tuple[float, float, str]]:
         "vibration_rms_end": (end, flight.root_mean_square(flight.w2, end - window, end), "N m"),
     }
     settled = last_outside(flight, 1e-3)
-    found["settling_1mrad"] = (settled, settled, "s")
+    values["settling_1mrad"] = (settled, settled, "s")
     if flight.mode != "no_observer":
-        found["estimation_error_rms_50s"] = (window, flight.root_mean_square(flight.error, 0.0, window), "N m")
-        found["estimation_error_rms_end"] = (end, flight.root_mean_square(flight.error, end - window, end), "N m")
-    return found
+        values["estimation_error_rms_50s"] = (window, flight.root_mean_square(flight.error, 0.0, window), "N m")
+        values["estimation_error_rms_end"] = (end, flight.root_mean_square(flight.error, end - window, end), "N m")
+    return values
 
 
 def admissible(case: Case, point: Mapping) -> bool:

@@ -31,8 +31,8 @@ def figures(case: Case, results: Results) -> None:
         if quantity.startswith("audit."):
             results.quantity(quantity, numbers[quantity], method="Gauss collocation", source="Figures 1 to 3")
     evaluate = partial(flight.scan_numbers, case)
-    for found in scans(
+    for scan in scans(
         case, SCANNED_QUANTITIES, inputs, evaluate, samples=200, admissible=partial(flight.admissible, case)
     ):
-        results.scan(found)
+        results.scan(scan)
     results.say("Figures 1 to 3", "simulated over the plausible readings")

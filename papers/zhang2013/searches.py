@@ -62,8 +62,8 @@ def repaired_gains(craft: Spacecraft, K: np.ndarray, L: np.ndarray, d_M: float) 
 
 def unsound(case: Case) -> FoundDesign:
     """Gains that (23) as printed accepts at lambda1 = 1 although their observer is unstable."""
-    found = unsound_program(case, "printed", l1="1").solve().need("(23) printed, unstable observer")
-    K, L = gains_of(found.values)
+    point = unsound_program(case, "printed", l1="1").solve().need("(23) printed, unstable observer")
+    K, L = gains_of(point.values)
     L = np.array([[0.0, round(float(L[0, 1]), 2)]])
     return FoundDesign(
         asked="gains that (23) as printed accepts at lambda1 = 1 with an unstable observer",
@@ -76,28 +76,28 @@ def unsound(case: Case) -> FoundDesign:
 
 def resynthesised(case: Case) -> FoundDesign:
     """The corrected Theorem 2 with an objective that leaves one solution."""
-    found = least_squares_program(case).infimum().need("(23) least squares")
-    K, L = gains_of(found.values)
+    optimum = least_squares_program(case).infimum().need("(23) least squares")
+    K, L = gains_of(optimum.values)
     return FoundDesign(
         asked="the least sum of squares of all unknowns of the corrected (23): strictly convex, one solution",
         method="semidefinite program, margin followed to zero",
         matrices={"K": K, "L": L},
         converged=True,
-        outcome={"sum_of_squares": found.value},
+        outcome={"sum_of_squares": optimum.value},
         digits=7,
     )
 
 
 def fast(case: Case) -> FoundDesign:
     """Gains of least gamma, which the flexible plant refuses."""
-    found = fast_program(case).infimum().need("(23) least gamma")
-    K, L = gains_of(found.solved.values)
+    optimum = fast_program(case).infimum().need("(23) least gamma")
+    K, L = gains_of(optimum.solved.values)
     return FoundDesign(
         asked="the least gamma of the corrected (23) with entries of at most 100",
         method="semidefinite program, rounded to two decimals",
         matrices={"K": np.round(K, 2), "L": np.array([[0.0, round(float(L[0, 1]), 2)]])},
         converged=True,
-        outcome={"gamma": float(np.sqrt(found.value))},
+        outcome={"gamma": float(np.sqrt(optimum.value))},
     )
 
 

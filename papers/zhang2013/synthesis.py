@@ -65,8 +65,8 @@ def near_optimum(design: str, stated: Stated, lower: float, results: Results) ->
     ComputationError
         If its checked objective lies above `NEAR_OPTIMUM` times the lower bound of all gains.
     """
-    found = results.attempted(design, stated.solve())
-    if (reached := found.need(design).objective) > NEAR_OPTIMUM * lower:
+    outcome = results.attempted(design, stated.solve())
+    if (reached := outcome.need(design).objective) > NEAR_OPTIMUM * lower:
         raise ComputationError(
             design, f"designs/{design}.json reaches {reached:.9g}, not {NEAR_OPTIMUM:g} times {lower:.9g}: search again"
         )
@@ -75,17 +75,17 @@ def near_optimum(design: str, stated: Stated, lower: float, results: Results) ->
 def accepted(results: Results, edition: str, gains: tuple[str, str], quantity: str, id: str, l1: str = PLUS) -> Infimum:
     """Prove that (23) accepts gains, formulas of K and L: M = K X and N = P22' L."""
     case = results.case
-    found = optimum(results, margin_program(case, edition, l1=l1, **for_gains(*gains)), "(24)")
+    best = optimum(results, margin_program(case, edition, l1=l1, **for_gains(*gains)), "(24)")
     prove(
         results,
         quantity,
         theorem_2(case, edition, l1=l1, **for_gains(*gains)),
-        found.solved,
+        best.solved,
         id=id,
         sentence=f"solution of (23), {edition}, for K = {gains[0]}, L = {gains[1]} at lambda1 = {l1}",
         source="(23), (24)",
     )
-    return found
+    return best
 
 
 @task("(23), (26)")
@@ -140,16 +140,16 @@ def margins(case: Case, results: Results) -> None:
             "eq23-printed-feasible",
         ),
     ):
-        found = optimum(results, margin_program(case, edition, l1=l1), "(23)")
+        best = optimum(results, margin_program(case, edition, l1=l1), "(23)")
         results.quantity(
             margin,
-            **roomy(-found.value, -found.upper, -found.lower),
+            **roomy(-best.value, -best.upper, -best.lower),
             source="(23)",
             method="interior point, enclosed by a checked point and checked multipliers",
         )
         sentence = f"solution of (23), {edition}, at lambda1 = {l1}"
-        prove(results, quantity, theorem_2(case, edition, l1=l1), found.solved, id=id, sentence=sentence, source="(23)")
-        results.say("(23)", f"{edition}, lambda1 = {l1}: margin {-found.value:.7g}")
+        prove(results, quantity, theorem_2(case, edition, l1=l1), best.solved, id=id, sentence=sentence, source="(23)")
+        results.say("(23)", f"{edition}, lambda1 = {l1}: margin {-best.value:.7g}")
     stated = theorem_2(case, "printed")
     as_printed = results.attempted("(23) printed", stated.solve())
     prove(
@@ -161,7 +161,7 @@ def margins(case: Case, results: Results) -> None:
         sentence=f"solution of (23), printed, at lambda1 = {PLUS}",
         source="(23)",
     )
-    results.say("(23)", f"printed, lambda1 = 0.12: {type(found).__name__.lower()}")
+    results.say("(23)", f"printed, lambda1 = 0.12: {type(best).__name__.lower()}")
 
 
 @task("(24)")
@@ -201,10 +201,10 @@ def unsound(case: Case, results: Results) -> None:
         source="(5)",
     )
     results.quantity("unsound.observer_pole", float(pole.item()), method="-L B in rational arithmetic", source="(5)")
-    found = [unsound_program(case, "without (2,6)", l1=l1).solve() for l1 in SWEEP]
+    outcomes = [unsound_program(case, "without (2,6)", l1=l1).solve() for l1 in SWEEP]
     results.quantity(
         "unsound.block26_accepted",
-        sum(isinstance(point, Solved) for point in found),
+        sum(isinstance(point, Solved) for point in outcomes),
         source="(23)",
         method=f"checked points at lambda1 = {', '.join(SWEEP)}",
     )
@@ -215,12 +215,12 @@ def unsound(case: Case, results: Results) -> None:
 def resynthesised(case: Case, results: Results) -> None:
     """The corrected Theorem 2 with an objective that leaves one solution."""
     gains = gains_of("resynthesised")
-    found = optimum(results, least_squares_program(case), "pinned")
+    best = optimum(results, least_squares_program(case), "pinned")
     K = case.designs["resynthesised"]["K"]
-    near_optimum("resynthesised", least_squares_program(case, **for_gains(*gains)), found.lower, results)
+    near_optimum("resynthesised", least_squares_program(case, **for_gains(*gains)), best.lower, results)
     results.quantity(
         "pinned.objective",
-        **roomy(found.value, found.lower, found.upper),
+        **roomy(best.value, best.lower, best.upper),
         source="(23)",
         method="interior point, enclosed by a checked point and checked multipliers",
     )
@@ -237,12 +237,12 @@ def resynthesised(case: Case, results: Results) -> None:
 def fast(case: Case, results: Results) -> None:
     """A design of least gamma: accepted by the corrected LMIs, unstable on the flexible plant."""
     gains = gains_of("fast")
-    found = optimum(results, fast_program(case), "fast")
+    best = optimum(results, fast_program(case), "fast")
     K, L = case.designs["fast"]["K"], case.designs["fast"]["L"]
-    near_optimum("fast", fast_program(case, **for_gains(*gains)), found.lower, results)
+    near_optimum("fast", fast_program(case, **for_gains(*gains)), best.lower, results)
     results.quantity(
         "fast.gamma",
-        **roomy(*np.sqrt([found.value, max(found.lower, 0.0), found.upper])),
+        **roomy(*np.sqrt([best.value, max(best.lower, 0.0), best.upper])),
         source="(23)",
         method="interior point, enclosed by a checked point and checked multipliers",
     )

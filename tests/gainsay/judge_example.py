@@ -5,7 +5,7 @@ from typing import get_args
 
 from gainsay.tables.lint import PROVED
 from gainsay.tables.models import Claim, Kind, Quantity
-from gainsay.verdicts.evidence import Concluded, Evidence, Found
+from gainsay.verdicts.evidence import ComputedQuantity, Concluded, Evidence
 from gainsay.verdicts.judge import judge
 from gainsay.verdicts.outcome import outcome
 
@@ -29,8 +29,8 @@ def claim(comparator="equal", published="1.50", kind="ordering", **more) -> Clai
     return Claim(**{"id": "c", **rest, **given})
 
 
-def found(value, lower=None, upper=None, method="m") -> Found:
-    return Found(value, lower, upper, method, "s")
+def number(value, lower=None, upper=None, method="m") -> ComputedQuantity:
+    return ComputedQuantity(value, lower, upper, method, "s")
 
 
 def at_most(value, certificate="cert") -> Concluded:
@@ -50,7 +50,7 @@ def evidence(*concluded, value=None, other=None, quantity="q", **more) -> Eviden
     if other is not None:
         numbers["other"] = other
     return Evidence(
-        found=numbers, concluded={quantity: list(concluded)} if concluded else {},
+        numbers=numbers, concluded={quantity: list(concluded)} if concluded else {},
         certificates={c.certificate: "a sentence" for c in concluded}, **more,
     )  # fmt: skip
 

@@ -17,14 +17,14 @@ from gainsay.verdicts.evidence import read_evidence
 from gainsay.verdicts.outcome import outcome, read_scans
 from gainsay.verdicts.plausible import corners, plausible, readings
 from gainsay.verdicts.scan import Plausible, scan
-from tests.gainsay.judge_example import Tables, at_most, claim, evidence, found, judge, verdict
+from tests.gainsay.judge_example import Tables, at_most, claim, evidence, judge, number, verdict
 
 X, WORD = Plausible("x", "m", 0.0, 1.0), Plausible("word", values=("small", "large"))
 
 
 def test_a_refused_certificate_that_names_no_quantity_may_be_any_ones():
     of = claim("at_most", "2", "norm-bound")
-    lost = replace(evidence(value=found(1.0)), lost={"": ["broken"]}, refused={"broken": "not readable"})
+    lost = replace(evidence(value=number(1.0)), lost={"": ["broken"]}, refused={"broken": "not readable"})
     judged = judge(Tables(), of, lost, {})
     assert judged.verdict == "failed" and judged.note == "refused: not readable"
     elsewhere = replace(lost, lost={"another": ["broken"]})
@@ -33,8 +33,8 @@ def test_a_refused_certificate_that_names_no_quantity_may_be_any_ones():
 
 def test_an_order_of_which_one_side_is_computed_and_not_proved_is_undecided():
     of = claim("less_than", "other", "norm-bound")
-    assert verdict(of, evidence(at_most(1), value=found(1.0), other=found(2.0))) == "undecided"
-    assert verdict(of, evidence(at_most(1), value=found(1.0))) == "failed"  # the other was not computed
+    assert verdict(of, evidence(at_most(1), value=number(1.0), other=number(2.0))) == "undecided"
+    assert verdict(of, evidence(at_most(1), value=number(1.0))) == "failed"  # the other was not computed
 
 
 def test_a_scan_says_how_its_points_were_drawn():

@@ -8,7 +8,7 @@ from gainsay.tables.sentences import of_sentence, worst
 from gainsay.verdicts.evidence import Evidence
 from gainsay.verdicts.judge import judge
 from gainsay.verdicts.outcome import outcome
-from tests.gainsay.judge_example import Tables, at_least, at_most, claim, evidence, found, scans, verdict
+from tests.gainsay.judge_example import Tables, at_least, at_most, claim, evidence, number, scans, verdict
 
 # --- thresholds that the paper does not print -------------------------------------------------------------------------
 
@@ -21,15 +21,15 @@ from tests.gainsay.judge_example import Tables, at_least, at_most, claim, eviden
      ("at_least", 0.9, "contradicted")],
 )  # fmt: skip
 def test_a_range_of_thresholds_decides_where_all_of_them_agree(comparator, value, expected):
-    judged = judge(Tables(), claim(comparator, "1..2", "ordering"), evidence(value=found(value)), {})
+    judged = judge(Tables(), claim(comparator, "1..2", "ordering"), evidence(value=number(value)), {})
     assert judged.verdict == expected
     assert (f"turns at q = {value}" in judged.witness) == (expected == "undetermined")
 
 
 def test_an_error_bound_across_one_end_of_the_thresholds_is_undecided():
     of = claim("at_most", "1..2", "ordering")
-    assert verdict(of, evidence(value=found(1.0, 0.9, 1.1))) == "undecided"
-    assert verdict(of, evidence(value=found(1.5, 1.4, 1.6))) == "undetermined"
+    assert verdict(of, evidence(value=number(1.0, 0.9, 1.1))) == "undecided"
+    assert verdict(of, evidence(value=number(1.5, 1.4, 1.6))) == "undetermined"
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def test_a_scan_under_a_range_of_thresholds_names_the_turning_point(values, expe
 )  # fmt: skip
 def test_one_sample_bears_out_what_can_be_and_none_refutes_it(values, published, expected):
     of = claim("at_most", published, "ordering", holds_for="some")
-    judged = judge(Tables(), of, evidence(value=found(values[-1]), scans=scans(of, *values)), {})
+    judged = judge(Tables(), of, evidence(value=number(values[-1]), scans=scans(of, *values)), {})
     assert judged.verdict == expected
     if expected == "reproduced":
         assert judged.witness == f"borne out by q = {values[0]:.5g} at x = 0" and "one is enough" in judged.note
@@ -71,7 +71,7 @@ def test_a_list_of_readings_none_of_which_can_be_refutes_it():
 @pytest.mark.parametrize(("value", "expected"), [(1.0, "reproduced"), (3.0, "undecided")])
 def test_one_number_bears_out_what_can_be_and_does_not_refute_it(value, expected):
     of = claim("at_most", "2", "ordering", holds_for="some", given="start=far")
-    judged = judge(Tables(left_out=("start",)), of, evidence(value=found(value)), {})
+    judged = judge(Tables(left_out=("start",)), of, evidence(value=number(value)), {})
     assert judged.verdict == expected
     said = "borne out by q = 1.0 m at start=far" if expected == "reproduced" else "not borne out at start=far"
     assert said in judged.witness + judged.note
@@ -95,7 +95,7 @@ def test_what_can_be_is_refuted_by_a_proof_over_all_that_is_left_out(over, read,
     of = claim("at_most", "2", kind, holds_for="some", given=given)
     proof = replace(at_least(3), over=frozenset(over))
     samples = {"scans": scans(of, 3.5, 4.0)} if sampled else {}
-    on = evidence(proof, value=found(3.5), read={"cert": read}, **samples)
+    on = evidence(proof, value=number(3.5), read={"cert": read}, **samples)
     judged = judge(Tables(left_out=("x", "y"), printed=("mass",)), of, on, {})
     assert judged.verdict == expected
     assert ("refutes nothing" in judged.note or "does not say" in judged.note) == (expected == "undecided")

@@ -11,7 +11,7 @@ from gainsay.report.reading import read_results
 from gainsay.results.returned import VERDICT_COLUMNS
 from gainsay.steps.explain import explain
 from gainsay.tables import paper_names, read_case
-from gainsay.verdicts.evidence import Concluded, Evidence, Found
+from gainsay.verdicts.evidence import ComputedQuantity, Concluded, Evidence
 from gainsay.verdicts.judge import judge
 from gainsay.verdicts.table import _row
 
@@ -85,7 +85,7 @@ def test_a_contradiction_names_what_its_proof_reads_from_the_scan(project):
         evidence = Evidence(concluded={"audit.holds": [said[word]]}, certificates={"c": "s"}, read=read)
         assert judged(case, "lmi", evidence)["digits"] == named
     # without a certificate it may be anything that the paper prints
-    high = Evidence(found={"run.peak": Found(50.0, 50.0, 50.0, "m", "s")})
+    high = Evidence(numbers={"run.peak": ComputedQuantity(50.0, 50.0, 50.0, "m", "s")})
     assert judged(case, "peak", high)["digits"] == "height K"
 
 

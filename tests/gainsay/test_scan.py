@@ -241,7 +241,7 @@ def test_quantities_of_one_computation_are_scanned_as_one_by_one_and_computed_on
     alone = scan(case, "value", [X, Y], lambda p: p["x"] * p["y"])
     together = {found.quantity: found for found in scans(case, ["value", "other"], [X, Y], both)}
     assert together["value"] == alone
-    assert [value for value, _ in together["other"].found] == [point["x"] for _, point in alone.found]
+    assert [value for value, _ in together["other"].pairs] == [point["x"] for _, point in alone.pairs]
     assert len(seen) == len({tuple(point.items()) for point in seen})
     with pytest.raises(ComputationError, match="quantity of a scan 'valu': expected 'value'"):
         list(scans(case, ["valu"], [X, Y], both))

@@ -8,7 +8,7 @@ import pytest
 from gainsay.tables import paper_names, read_case
 from gainsay.tables.lint import PROVED
 from gainsay.verdicts.criterion import NUMERIC, criteria
-from gainsay.verdicts.evidence import Concluded, Evidence, Found
+from gainsay.verdicts.evidence import ComputedQuantity, Concluded, Evidence
 from gainsay.verdicts.judge import judge
 from gainsay.verdicts.outcome import outcome
 
@@ -27,7 +27,7 @@ def number(claim, value: float, quantity: str | None = None) -> Evidence:
     if claim.kind in PROVED:
         said = [proved(name, "at_least", low=exact), proved(name, "at_most", high=exact)]
         return Evidence(concluded={name: said}, certificates={c.certificate: "s" for c in said})
-    return Evidence(found={name: Found(value, value, value, "m", "s")})
+    return Evidence(numbers={name: ComputedQuantity(value, value, value, "m", "s")})
 
 
 def both(claim) -> tuple[Evidence, Evidence]:
@@ -45,7 +45,7 @@ def both(claim) -> tuple[Evidence, Evidence]:
             of, other = number(claim, value), number(claim, 2.0, claim.published)
             found.append(
                 Evidence(
-                    {**of.found, **other.found},
+                    {**of.numbers, **other.numbers},
                     {**of.concluded, **other.concluded},
                     {**of.certificates, **other.certificates},
                 )
@@ -87,7 +87,7 @@ def test_one_sample_turns_every_scan(paper, name):
     """
     claim = CASES[paper].claims[name]
     assert claim.comparator in NUMERIC
-    inside, outside = (e.proved_range(claim.quantity)[0] if claim.kind in PROVED else e.found[claim.quantity].value
+    inside, outside = (e.proved_range(claim.quantity)[0] if claim.kind in PROVED else e.numbers[claim.quantity].value
                        for e in both(claim))  # fmt: skip
     inputs = [{"name": "x", "unit": "1", "low": 0.0, "high": 1.0, "logarithmic": False, "parameter": "x"}]
     none, mixed = ("open", "holds") if claim.holds_for == "some" else ("fails", "depends")

@@ -25,7 +25,7 @@ def made() -> tuple[list, dict]:
         case=CASE, certificate=certificates.append, prove=lambda c, **_: certificates.append(c),
         undecided=lambda *_, **__: None,
         quantity=lambda name, value, **_: quantities.update({name: value}), say=lambda *_: None,
-        scan=lambda found: quantities.update({point["disk_poles"]: value for value, point in found.found}),
+        scan=lambda scan: quantities.update({point["disk_poles"]: value for value, point in scan.pairs}),
     )  # fmt: skip
     proofs_lemma3.disk_of_lemma_3(CASE, results)
     return certificates, quantities

@@ -21,7 +21,7 @@ from gainsay.results import Results, run_tasks
 from gainsay.tables import paper_names, read_case
 from gainsay.tables.lint import PROVED
 from gainsay.tables.models import Claim
-from gainsay.verdicts.evidence import Concluded, Evidence, Found
+from gainsay.verdicts.evidence import ComputedQuantity, Concluded, Evidence
 from gainsay.verdicts.judge import Judgement, judge
 from gainsay.verdicts.outcome import outcome, outcomes, read_scans
 from papers.li2021 import plant as satellite
@@ -64,7 +64,7 @@ def on_record(case, claim: Claim) -> Judgement:
         scan = {"quantity": claim.quantity, "inputs": [_ONE], "values": ends, "points": [[0.0], [1.0]], "crossings": []}
         return judge(case, claim, Evidence(scans={claim.id: outcome(claim, scan)}), {})
     value = float(case.recorded[claim.quantity].value)
-    return judge(case, claim, Evidence(found={claim.quantity: Found(value, value, value, "m", "s")}), {})
+    return judge(case, claim, Evidence(numbers={claim.quantity: ComputedQuantity(value, value, value, "m", "s")}), {})
 
 
 def moved(claim: Claim) -> list[Claim]:
@@ -184,6 +184,8 @@ def test_the_last_100_s_of_li2021_may_be_50_or_200(factor):
     for name, part in parts.items():
         values = np.abs(states[:, part]).max(axis=1)
         share, claim = values[late].max() / values.max(), case.claims[name]
-        judged = judge(case, claim, Evidence(found={claim.quantity: Found(share, share, share, "m", "s")}), {})
+        judged = judge(
+            case, claim, Evidence(numbers={claim.quantity: ComputedQuantity(share, share, share, "m", "s")}), {}
+        )
         print(name, factor, share, judged.verdict)
         assert judged.verdict == claim.expected or says_where_it_turns(claim, judged)

@@ -21,10 +21,10 @@ EXIT_CODES = "exit codes: 0 clean, 1 differences, 2 bad input, 3 not checked"
 
 
 def _papers(root: Path, names: Sequence[str]) -> list[str]:
-    found = list(names) or paper_names(root)
-    if not found:
+    papers = list(names) or paper_names(root)
+    if not papers:
         raise InputError("no paper", file="papers", expected="a folder with a paper.toml")
-    return found
+    return papers
 
 
 def lint(options: argparse.Namespace) -> int:
@@ -61,30 +61,30 @@ def check(options: argparse.Namespace) -> int:
     from gainsay.verdicts.published import record_line, summary
 
     cases = [read_case(options.root, paper) for paper in _papers(options.root, options.papers)]
-    found = differing(cases)
+    differing_rows = differing(cases)
     rest = [paper for paper in paper_names(options.root) if paper not in {case.name for case in cases}]
     if not options.papers:
-        found += shared_differences(options.root)
+        differing_rows += shared_differences(options.root)
     for line in summary(row for case in cases for row in _published(case)):
         print(line)
-    shown = found[:MOST_LINES] if options.brief else found
+    shown = differing_rows[:MOST_LINES] if options.brief else differing_rows
     for paper, what, item, expected, value, note in shown:
         line = f"{paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}"
         print((f"{line}: {note}" if note else line)[:LONGEST])
-    if len(found) > len(shown):
-        print(f"and {len(found) - len(shown)} more, which `gainsay check` names")
+    if len(differing_rows) > len(shown):
+        print(f"and {len(differing_rows) - len(shown)} more, which `gainsay check` names")
     if options.junit is not None:
-        write_junit(real_path(options.junit), cases, found)
-    for line in annotations(cases, found) if options.annotations else ():
+        write_junit(real_path(options.junit), cases, differing_rows)
+    for line in annotations(cases, differing_rows) if options.annotations else ():
         print(line)
     drafts = [case.name for case in cases if case.paper.draft]
-    if found or len(drafts) < len(cases):
-        print(record_line(found))
+    if differing_rows or len(drafts) < len(cases):
+        print(record_line(differing_rows))
     for paper in drafts:
         print(f"{paper}: a draft, what is not on record is no difference; `gainsay record`, then take `draft` out")
     if rest:
         print(f"not checked: {', '.join(rest)}")
-    return DIFFERENCES if found else CLEAN
+    return DIFFERENCES if differing_rows else CLEAN
 
 
 def explain(options: argparse.Namespace) -> int:
@@ -107,10 +107,10 @@ def diff(options: argparse.Namespace) -> int:
     """Say in what two folders of results differ."""
     from gainsay.steps.between import between
 
-    found = list(between(options.one, options.other))
-    for line in found:
+    rows = list(between(options.one, options.other))
+    for line in rows:
         print(line)
-    return DIFFERENCES if found else CLEAN
+    return DIFFERENCES if rows else CLEAN
 
 
 def new(options: argparse.Namespace) -> int:
@@ -232,8 +232,8 @@ def prove(options: argparse.Namespace) -> int:
         except InputError:
             raise
         except GainsayError as error:
-            said = f"{one_line(shown(str(path)), LONGEST_FILE)}: REFUSED: "
-            print(said + one_line(shown(str(error)), LONGEST_REFUSAL - len(said)), flush=True)
+            refusal = f"{one_line(shown(str(path)), LONGEST_FILE)}: REFUSED: "
+            print(refusal + one_line(shown(str(error)), LONGEST_REFUSAL - len(refusal)), flush=True)
             refused += 1
             continue
         print(f"{shown(str(path))}: accepted")
@@ -335,13 +335,13 @@ def replay(options: argparse.Namespace) -> int:
     code = CLEAN
     for path in options.logs:
         try:
-            name, found = replay_log(options.root, real_path(path), figures=not options.numbers_only)
+            name, lines = replay_log(options.root, real_path(path), figures=not options.numbers_only)
         except InputError as error:  # one bad log hides no other
             code = refuse(error)
             continue
-        for line in found:
+        for line in lines:
             print(f"{name}  {line}"[:LONGEST])
-        if not found:
+        if not lines:
             what = "quantity" if options.numbers_only else "quantity and figure"
             print(f"{name}  samples, parameters and every {what} are as on file")
         elif code == CLEAN:

@@ -87,8 +87,8 @@ def _shown(value: object) -> str:
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return the name that an unknown one may have meant; nothing where none is near."""
-    found = get_close_matches(name, list(known), n=1, cutoff=0.6)
-    return found[0] if found else ""
+    close = get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return close[0] if close else ""
 
 
 def one_of(name: str, known: Iterable[str], most: int = 12) -> str:

@@ -46,13 +46,13 @@ def peak(case: Case, results: Results) -> None:
 @task("Example")
 def over_missing_inputs(case: Case, results: Results) -> None:
     """Undershoot and cost over every plausible initial velocity."""
-    for found in scans(
+    for scan in scans(
         case,
         ["run.undershoot", "run.cost"],
         [plausible(case, "v0")],
         lambda point: numbers(case, respond(case, point["v0"])),
     ):
-        results.scan(found)
+        results.scan(scan)
 
 
 TASKS = (definite, poles, peak, over_missing_inputs)

@@ -22,7 +22,7 @@ def respond(case: Case, v0: float, steps: int = 400) -> Response:
     return Response(loop, np.array([case.number("x0"), v0]), case.number("horizon"), steps)
 
 
-def numbers(case: Case, found: Response) -> dict[str, float]:
+def numbers(case: Case, response: Response) -> dict[str, float]:
     """Return what is said of a response: the excursion to the other side, m, and the cost x' P x of its start."""
-    start = found.states[0]
-    return {"run.undershoot": found.largest(np.array([-1.0, 0.0])).value, "run.cost": start @ case.matrix("P") @ start}
+    start, undershoot = response.states[0], response.largest(np.array([-1.0, 0.0]))
+    return {"run.undershoot": undershoot.value, "run.cost": start @ case.matrix("P") @ start}

@@ -71,16 +71,16 @@ def _of_chunk(root: Path, paper: str, campaign: str) -> dict[str, float]:
         start = time.process_time() - sum(meter.seconds.values())
         write_chunk(plan, 0)
     everything = time.process_time()
-    found = {name: sum(meter.seconds[kind] for kind in kinds) for name, kinds in _COLUMNS.items()}
-    found["starting"] = start + meter.seconds["imports"]
-    return {**found, "rest": everything - sum(found.values()), "seconds": everything}
+    seconds_of = {name: sum(meter.seconds[kind] for kind in kinds) for name, kinds in _COLUMNS.items()}
+    seconds_of["starting"] = start + meter.seconds["imports"]
+    return {**seconds_of, "rest": everything - sum(seconds_of.values()), "seconds": everything}
 
 
-def told(paper: str, campaign: str, found: dict[str, float]) -> str:
+def told(paper: str, campaign: str, seconds_of: dict[str, float]) -> str:
     """One line of the table."""
-    whole = found["seconds"]
-    parts = "".join(f"{100 * found[name] / whole:9.1f} %" for name in (*_COLUMNS, "starting", "rest"))
-    share = sum(found[name] for name in _COLUMNS) / whole
+    whole = seconds_of["seconds"]
+    parts = "".join(f"{100 * seconds_of[name] / whole:9.1f} %" for name in (*_COLUMNS, "starting", "rest"))
+    share = sum(seconds_of[name] for name in _COLUMNS) / whole
     verdict = "met" if share >= AIM else "MISSED"
     return f"{paper + ' ' + campaign:<32}{whole:7.1f} s{parts}{100 * share:9.1f} %  {verdict}"
 

@@ -49,19 +49,19 @@ def rows() -> Iterator[str]:
         yield f"{name + f', {len(family)}':<42} " + "   ".join(told)
 
 
-def _judged(found: bool | float | None, right: bool | float) -> str:
-    if found is None:
+def _judged(answer: bool | float | None, right: bool | float) -> str:
+    if answer is None:
         return "undecided"
-    if isinstance(right, bool) or isinstance(found, bool):
-        return "right" if found is right else "wrong"
-    return "right" if abs(found - right) <= _CLOSE * max(1.0, abs(right)) else "wrong"
+    if isinstance(right, bool) or isinstance(answer, bool):
+        return "right" if answer is right else "wrong"
+    return "right" if abs(answer - right) <= _CLOSE * max(1.0, abs(right)) else "wrong"
 
 
 def _ours(program: Program) -> bool | float | None:
-    found = infimum(program) if program.cost.any() else solve(program)
-    if isinstance(found, Infimum):
-        return found.value if np.isfinite(found.value) else None
-    return True if isinstance(found, Solved) else False if isinstance(found, Infeasible) else None
+    outcome = infimum(program) if program.cost.any() else solve(program)
+    if isinstance(outcome, Infimum):
+        return outcome.value if np.isfinite(outcome.value) else None
+    return True if isinstance(outcome, Solved) else False if isinstance(outcome, Infeasible) else None
 
 
 def _plain(solver: str) -> Callable[[Program], bool | float | None]:
@@ -79,7 +79,7 @@ def _plain(solver: str) -> Callable[[Program], bool | float | None]:
 
 def _families() -> Iterator[tuple[str, list[Known]]]:
     rng = np.random.default_rng(2026)
-    yield "random, 2 to 20 rows", [Known(drawn.program, drawn.feasible) for drawn in draws(2026, 40, 20)]
+    yield "random, 2 to 20 rows", [Known(drawing.program, drawing.feasible) for drawing in draws(2026, 40, 20)]
     for outside, name in ((True, "Lyapunov, unstable"), (False, "Lyapunov, stable")):
         yield name, [Known(_lyapunov(rng, outside), not outside) for _ in range(30)]
     yield "theta of cycles (Lovasz 1979)", [_cycle(n) for n in (5, 7, 9, 11)]

@@ -30,22 +30,22 @@ def rows() -> Iterator[Row]:
         runs = 3 if size < 40 else 1
         # a point of the largest takes as long as all others together, and is found the way of the size before
         for feasible in (True, False) if size < _SIZES[-1][0] else (False,):
-            drawn = draw(rng, size, unknowns, feasible, 1e-2)
+            drawing = draw(rng, size, unknowns, feasible, 1e-2)
             kind = Solved if feasible else Infeasible
             what = f"{size} rows, {unknowns} unknowns, {'a point' if feasible else 'a refutation'}"
 
-            def ours(drawn: Drawn = drawn, kind: type = kind) -> None:
-                if not isinstance(solve(drawn.program), kind):
-                    raise RuntimeError(f"{drawn.program.label}: not the known outcome")
+            def ours(drawing: Drawn = drawing, kind: type = kind) -> None:
+                if not isinstance(solve(drawing.program), kind):
+                    raise RuntimeError(f"{drawing.program.label}: not the known outcome")
 
-            yield paired(what, ours, "plain cvxpy with Clarabel", partial(_plain, drawn), aim=_AIM, runs=runs)
+            yield paired(what, ours, "plain cvxpy with Clarabel", partial(_plain, drawing), aim=_AIM, runs=runs)
         if size == _SIZES[-1][0]:
             continue  # a minute, and no other way than that of the size before
         least = _bounded(rng, size, unknowns)
 
         def enclosed(program: Program = least) -> None:
-            found = infimum(program)
-            if not (isinstance(found, Infimum) and found.upper - found.lower < 1e-5 * max(1.0, abs(found.upper))):
+            outcome = infimum(program)
+            if not isinstance(outcome, Infimum) or outcome.upper - outcome.lower >= 1e-5 * max(1.0, abs(outcome.upper)):
                 raise RuntimeError(f"{program.label}: not enclosed")
 
         yield paired(
@@ -75,5 +75,5 @@ def as_stated(program: Program) -> scaling.Scaled:
     )
 
 
-def _plain(drawn: Drawn) -> None:
-    backends.run(as_stated(drawn.program), drawn.program.constraints, drawn.program.margin, "cvxpy")
+def _plain(drawing: Drawn) -> None:
+    backends.run(as_stated(drawing.program), drawing.program.constraints, drawing.program.margin, "cvxpy")

@@ -18,10 +18,10 @@ def rows(case: Case) -> Iterator[Row]:
     """
     state_feedback = import_module("papers.wan2014.statements").state_feedback
     program = state_feedback(case).program()
-    found = solve(program)
-    if not isinstance(found, Solved):
+    outcome = solve(program)
+    if not isinstance(outcome, Solved):
         raise RuntimeError("the sub-problem was not solved")
-    point = program.coordinates(found.values)
+    point = program.coordinates(outcome.values)
     assembled = scaling.apply(program, scaling.from_point(program, point))
 
     def bare() -> None:

@@ -57,15 +57,15 @@ def rows(root: Path, papers: Sequence[str]) -> Iterator[TaskRow | str]:
     with project_copy(root) as copy:
         everything: list[TaskRow] = []
         with ThreadPoolExecutor(2) as pool:
-            for paper, found in zip(papers, pool.map(lambda p: _measured(copy, p), papers), strict=True):
-                if isinstance(found, str):
-                    yield f"not measured: {paper}: {found}"
+            for paper, times in zip(papers, pool.map(lambda p: _measured(copy, p), papers), strict=True):
+                if isinstance(times, str):
+                    yield f"not measured: {paper}: {times}"
                     continue
-                everything += found
-                yield from sorted((row for row in found if row.seconds >= _SHORT), key=lambda row: -row.seconds)
-                short = [row for row in found if row.seconds < _SHORT]
+                everything += times
+                yield from sorted((row for row in times if row.seconds >= _SHORT), key=lambda row: -row.seconds)
+                short = [row for row in times if row.seconds < _SHORT]
                 yield together(short, paper, "", f"{len(short)} tasks below {_SHORT} s each")
-                yield together(found, paper, "", "together")
+                yield together(times, paper, "", "together")
         yield together(everything, "all papers", "", "together")
 
 
@@ -122,11 +122,11 @@ def main() -> int:
     paper, _, root = sys.argv[1:]
     with redirect_stdout(StringIO()):
         try:
-            found = _of_paper(Path(root), paper)
+            times = _of_paper(Path(root), paper)
         except (GainsayError, RuntimeError) as error:
             print(error, file=sys.stderr)
             return 1
-    print(json.dumps([asdict(row) for row in found]))
+    print(json.dumps([asdict(row) for row in times]))
     return 0
 
 

@@ -38,21 +38,21 @@ def branch(low: np.ndarray, high: np.ndarray, test: Test, deepest: int) -> dict[
         ``proved``, ``refuted``, ``open``: volumes in parts of 2^-deepest of the box; ``refuted`` are smallest parts
         with a violating point each. ``boxes``: how many were tested.
     """
-    found = {"proved": 0, "refuted": 0, "open": 0, "boxes": 0}
+    counts = {"proved": 0, "refuted": 0, "open": 0, "boxes": 0}
     lows, highs = np.asarray(low, dtype=float)[None], np.asarray(high, dtype=float)[None]
     for depth in range(deepest + 1):
         if not len(lows):
             break
         outcomes, across = map(np.asarray, test(lows, highs))
-        found["boxes"] += len(lows)
-        found["proved"] += int(np.sum(outcomes == PROVED)) << (deepest - depth)
+        counts["boxes"] += len(lows)
+        counts["proved"] += int(np.sum(outcomes == PROVED)) << (deepest - depth)
         rest = outcomes != PROVED
         if depth == deepest:
-            found["refuted"] += int(np.sum(outcomes == REFUTED))
-            found["open"] += int(np.sum(outcomes == OPEN))
+            counts["refuted"] += int(np.sum(outcomes == REFUTED))
+            counts["open"] += int(np.sum(outcomes == OPEN))
             break
         lows, highs = _halved(lows[rest], highs[rest], across[rest])
-    return found
+    return counts
 
 
 def _halved(lows: np.ndarray, highs: np.ndarray, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -82,11 +82,11 @@ def over_boxes(inputs: tuple[str, ...], test: Callable[[Case], Test], deepest: i
     def block(case: Case, of: Block) -> Columns:
         cells, judge = of.cells(), test(case)
         ends = {side: np.array([[cell[name][k] for name in inputs] for cell in cells]) for k, side in enumerate("lh")}
-        found = [branch(low, high, judge, deepest) for low, high in zip(ends["l"], ends["h"], strict=True)]
+        counts = [branch(low, high, judge, deepest) for low, high in zip(ends["l"], ends["h"], strict=True)]
         sides = {
             f"{name}_{end}": ends[end[0]][:, k].tolist() for k, name in enumerate(inputs) for end in ("low", "high")
         }
-        return {**sides, **{key: [one[key] for one in found] for key in ("proved", "refuted", "open", "boxes")}}
+        return {**sides, **{key: [one[key] for one in counts] for key in ("proved", "refuted", "open", "boxes")}}
 
     def count(columns: Columns) -> dict[str, int]:
         whole = sum(int(p == 1 << deepest) for p in columns["proved"])

@@ -37,12 +37,12 @@ def counted_draws(
 
     def block(case: Case, of: Block) -> Columns:
         row: dict[str, list[int]] = {"draws": [of.size]}
-        for name, (found, open_) in evaluate(case, of).items():
-            row |= {f"{name}_{event}": [int(found)], f"{name}_unresolved": [int(open_)]}
+        for name, (occurred, open_) in evaluate(case, of).items():
+            row |= {f"{name}_{event}": [int(occurred)], f"{name}_unresolved": [int(open_)]}
         return row
 
-    def count(found: Columns) -> dict[str, int]:
-        return {name: int(sum(found[name])) for name in columns}
+    def count(counts: Columns) -> dict[str, int]:
+        return {name: int(sum(counts[name])) for name in columns}
 
     def findings(plan: Plan, counts: Mapping[str, int]) -> dict[str, Any]:
         draws = counts["draws"]
@@ -66,18 +66,18 @@ def counted_draws(
 def _draw(figure: Any, rows: Iterator[Mapping[str, np.ndarray]], event: str, shares: Mapping[str, str]) -> None:
     """Share so far over the number of draws, with the interval at the end."""
     draws: list[int] = []
-    found: dict[str, list[int]] = {name: [] for name in shares}
+    counts: dict[str, list[int]] = {name: [] for name in shares}
     open_: dict[str, list[int]] = {name: [] for name in shares}
     for batch in rows:
         draws.extend(batch["draws"])
         for name in shares:
-            found[name].extend(batch[f"{name}_{event}"])
+            counts[name].extend(batch[f"{name}_{event}"])
             open_[name].extend(batch[f"{name}_unresolved"])
     axes = figure.subplots()
     total = np.cumsum(draws)
     for number, (name, about) in enumerate(shares.items()):
-        share = np.cumsum(found[name]) / total
-        low, high = clopper_pearson(int(sum(found[name])), int(total[-1]), int(sum(open_[name])), LEVEL)
+        share = np.cumsum(counts[name]) / total
+        low, high = clopper_pearson(int(sum(counts[name])), int(total[-1]), int(sum(open_[name])), LEVEL)
         axes.plot(total, share, color=f"C{number}", label=f"{about}: {low:.4f} to {high:.4f}")
         axes.axhspan(low, high, color=f"C{number}", alpha=0.3, linewidth=0)
     axes.set_xscale("log")

@@ -48,8 +48,8 @@ def certified(stated: Stated, name: str, sentence: str, floats: Floats | None = 
             if candidate.values:
                 point = {unknown: candidate.values[unknown] for unknown in stated.unknowns}
                 return FEASIBLE, build.feasible_point(statement=f"There is {sentence}.", point=point, **parts)
-            refuting, said = dict(candidate.multipliers), f"There is no {sentence}."
-            return INFEASIBLE, build.farkas(statement=said, multipliers=refuting, digits=_DIGITS, **parts)
+            refuting, statement = dict(candidate.multipliers), f"There is no {sentence}."
+            return INFEASIBLE, build.farkas(statement=statement, multipliers=refuting, digits=_DIGITS, **parts)
         except CertificateError:
             continue
     return UNDECIDED, None

@@ -13,15 +13,15 @@ _BITS = 256
 _STEP = 1e-13
 
 
-def clopper_pearson(found: int, draws: int, unresolved: int = 0, level: float = 0.95) -> tuple[float, float]:
+def clopper_pearson(count: int, draws: int, unresolved: int = 0, level: float = 0.95) -> tuple[float, float]:
     """Interval that covers a probability with at least the level, whatever the probability is.
 
     Draws that could not be resolved widen it: the lower end counts none of them, the upper end all.
 
     Parameters
     ----------
-    found, draws, unresolved : int
-        Draws in which something was found, all draws, and draws in which it could not be told.
+    count, draws, unresolved : int
+        Draws that are counted, all draws, and those in which it could not be told.
     level : float
         Confidence level as the decimal it is written as, the rest being shared by the two sides.
 
@@ -46,20 +46,20 @@ def clopper_pearson(found: int, draws: int, unresolved: int = 0, level: float = 
     >>> low, round(high, 6)
     (0.0, 0.308498)
     """
-    if not (0 <= found and 0 <= unresolved and found + unresolved <= draws and draws > 0):
-        raise InputError("counts", value=(found, draws, unresolved), expected="found + unresolved of 1 or more draws")
+    if not (0 <= count and 0 <= unresolved and count + unresolved <= draws and draws > 0):
+        raise InputError("counts", value=(count, draws, unresolved), expected="count + unresolved of 1 or more draws")
     if not 0 < level < 1:
         raise InputError("level", value=level, expected="between 0 and 1")
-    return _lower(found, draws, level), 1 - _lower_complement(draws - found - unresolved, draws, level)
+    return _lower(count, draws, level), 1 - _lower_complement(draws - count - unresolved, draws, level)
 
 
-def _lower(found: int, draws: int, level: float) -> float:
+def _lower(count: int, draws: int, level: float) -> float:
     from scipy.stats import beta
 
-    if found == 0:
+    if count == 0:
         return 0.0
-    end = float(beta.ppf((1 - level) / 2, found, draws - found + 1))
-    while not _tail_is_small(found, draws, end, level):
+    end = float(beta.ppf((1 - level) / 2, count, draws - count + 1))
+    while not _tail_is_small(count, draws, end, level):
         end *= 1 - _STEP
     return end
 
@@ -70,8 +70,8 @@ def _lower_complement(missed: int, draws: int, level: float) -> float:
     return max(end - 2.3e-16, 0.0)
 
 
-def _tail_is_small(found: int, draws: int, probability: float, level: float) -> bool:
+def _tail_is_small(count: int, draws: int, probability: float, level: float) -> bool:
     """Prove that at least so many of the draws have probability of at most half of what the level leaves."""
     with precision(_BITS):
-        tail = arb(probability).beta_lower(found, draws - found + 1, regularized=True)
+        tail = arb(probability).beta_lower(count, draws - count + 1, regularized=True)
         return bool(tail <= arb(to_fmpq((1 - Fraction(repr(level))) / 2)))

@@ -59,15 +59,15 @@ def progress(plan: Plan, now: float | None = None) -> str:
     """
     now = time.time() if now is None else now
     place: Path = chunk_path(plan, 0).parent
-    found: Counter[str] = Counter()
+    states: Counter[str] = Counter()
     times = []
     for path in sorted(place.glob("chunk-*.parquet")):
         try:
-            found.update(about_chunk(path, plan.case.root)["counts"])
+            states.update(about_chunk(path, plan.case.root)["counts"])
         except InputError:
             continue
         times.append(path.stat().st_mtime)
-    so_far = ", ".join(f"{count} {name}" for name, count in found.items())
+    so_far = ", ".join(f"{count} {name}" for name, count in states.items())
     line = f"{plan.row.name}: {len(times)} of {plan.chunks} chunks"
     if len(times) == plan.chunks:
         return f"{line}, done: {so_far}"

@@ -107,19 +107,19 @@ class _Writer:
 
 
 def _block_table(plan: Plan, block: Any, schema: Any) -> tuple[Any, dict[str, int]]:
-    found = plan.evaluation.block(plan.case, block)
-    if set(found) != set(plan.evaluation.columns):
-        raise InputError(plan.row.name, field="columns", value=sorted(found), expected=str(list(schema.names[1:])))
-    rows = {len(column) for column in found.values()}
+    table = plan.evaluation.block(plan.case, block)
+    if set(table) != set(plan.evaluation.columns):
+        raise InputError(plan.row.name, field="columns", value=sorted(table), expected=str(list(schema.names[1:])))
+    rows = {len(column) for column in table.values()}
     if len(rows) != 1:
         raise InputError(plan.row.name, field="columns", value=sorted(rows), expected="columns of one length")
     count = rows.pop()
     if count not in (1, block.size):
         raise InputError(plan.row.name, field="rows", value=count, expected=f"one a block, or {block.size}")
     index = [block.first] if count == 1 else list(block.indices)
-    columns = {"index": index, **found}
+    columns = {"index": index, **table}
     arrays = [_array(field, columns[field.name]) for field in schema]
-    return _arrow().Table.from_arrays(arrays, schema=schema), plan.evaluation.count(found)
+    return _arrow().Table.from_arrays(arrays, schema=schema), plan.evaluation.count(table)
 
 
 def write_chunk(plan: Plan, number: int) -> dict[str, int]:

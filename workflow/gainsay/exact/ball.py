@@ -112,7 +112,7 @@ def eigenvalues(matrix: arb_mat) -> list:
         raise ArithmeticError("eigenvalues of a matrix that is not finite")
     spend(500 * matrix.nrows() ** 3 * (1 + ctx.prec / 64), "eigenvalues")
     try:
-        found = acb_mat(matrix).eig()
+        values = acb_mat(matrix).eig()
     except (ValueError, ArithmeticError) as error:
         raise ArithmeticError("eigenvalues could not be separated (repeated, or the enclosure too wide)") from error
-    return list(found)
+    return list(values)

@@ -277,10 +277,10 @@ def stacked(rows: Sequence[Sequence[Words | None]], letters: Mapping[str, Letter
         return cell.is_number and cell.is_zero
 
     def size(line: Iterable[Words], side: int) -> int:
-        found = {cell.shape[side] for cell in line if not fills(cell)} or {1}
-        if len(found) != 1:
-            raise WordsError(f"blocks of sizes {', '.join(map(str, sorted(found)))} beside each other do not fit")
-        return found.pop()
+        sizes = {cell.shape[side] for cell in line if not fills(cell)} or {1}
+        if len(sizes) != 1:
+            raise WordsError(f"blocks of sizes {', '.join(map(str, sorted(sizes)))} beside each other do not fit")
+        return sizes.pop()
 
     heights = [size(row, 0) for row in cells]
     widths = [size(column, 1) for column in zip(*cells, strict=True)]

@@ -138,8 +138,8 @@ def _clarabel(scaled: Scaled, constraints: Sequence, margin: float, setting: str
     for name, value in (SETTINGS[setting] or {}).items():
         setattr(settings, name, value)
     quadratic, rows = sparse.csc_matrix((size, size)), sparse.csc_matrix(np.vstack(left))
-    found = bare_solve(quadratic, scaled.cost, rows, np.concatenate(right), cones, settings)
-    x, z = np.array(found.x), np.array(found.z)
+    solution = bare_solve(quadratic, scaled.cost, rows, np.concatenate(right), cones, settings)
+    x, z = np.array(solution.x), np.array(solution.z)
     multipliers: list[np.ndarray] = [np.zeros(0)] * len(constraints)
     place = 0
     for number in (*order[0], *order[1], *order[2]):
@@ -156,12 +156,12 @@ def _clarabel(scaled: Scaled, constraints: Sequence, margin: float, setting: str
             place += n
     record = {
         "solver": setting,
-        "status": str(found.status),
-        "iterations": int(found.iterations),
-        "seconds": float(found.solve_time),
+        "status": str(solution.status),
+        "iterations": int(solution.iterations),
+        "seconds": float(solution.solve_time),
     }
     point = x if np.isfinite(x).all() else None
-    return Raw(point, tuple(multipliers), float(found.obj_val), float(found.obj_val_dual), record)
+    return Raw(point, tuple(multipliers), float(solution.obj_val), float(solution.obj_val_dual), record)
 
 
 def bare_solve(*data: Any) -> Any:

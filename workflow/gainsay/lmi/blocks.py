@@ -120,14 +120,14 @@ class BlockMatrix:
         """
         if self.sizes != other.sizes:
             raise InputError("block rows differ", field=self.label, value=other.sizes, expected=str(self.sizes))
-        found = []
+        places = []
         for i, row in enumerate(self.names):
             for column in self.names[i:]:
                 gap = self[row, column] - other[row, column]
                 size = max([np.abs(gap.constant).max(), *(np.abs(c).max() for c in gap.terms.values())])
                 if size > tolerance:
-                    found.append((row, column, float(size)))
-        return tuple(found)
+                    places.append((row, column, float(size)))
+        return tuple(places)
 
     def value(self, values: Any) -> np.ndarray:
         """Evaluate the whole matrix in floats; see `Affine.value`."""

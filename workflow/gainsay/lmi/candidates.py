@@ -59,14 +59,14 @@ def candidates(program: Program) -> Iterator[Candidate]:
         if not isinstance(constraint, Definite):
             raise InputError("candidates", field=program.label, value=constraint.label, expected="matrix inequalities")
     margin_program = raised(program)
-    found = solve(margin_program)
-    if not isinstance(found, Solved):
+    outcome = solve(margin_program)
+    if not isinstance(outcome, Solved):
         return
-    level = -found.objective
+    level = -outcome.objective
     if level > 0:
-        yield Candidate(level, {name: value for name, value in found.values.items() if name != MARGIN}, {})
+        yield Candidate(level, {name: value for name, value in outcome.values.items() if name != MARGIN}, {})
         return
-    scale = scaling.from_point(margin_program, margin_program.coordinates(found.values))
+    scale = scaling.from_point(margin_program, margin_program.coordinates(outcome.values))
     for push in _PUSHES:
         multipliers, _ = duality.pushed_inside(margin_program, scale, push)
         if multipliers is not None and all(np.isfinite(m).all() for m in multipliers):

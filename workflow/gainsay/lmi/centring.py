@@ -61,10 +61,10 @@ def central_path(
             if seen is None:
                 return
             mu = max(seen.best_mu(scaled.cost), _FIRST) if mu is None else mu
-            found = seen.step(scaled.cost / mu, rows, rows @ x + right)
-            if found is None:
+            newton = seen.step(scaled.cost / mu, rows, rows @ x + right)
+            if newton is None:
                 return
-            step, weights = found
+            step, weights = newton
             length = seen.length(step)
             if not np.isfinite(length):
                 return
@@ -164,16 +164,16 @@ class _Seen:
 
     def multipliers(self, mu: float, step: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
         """Multipliers that a step leaves; `weights` are those of all equations."""
-        found, place, slopes = [], 0, iter(self.slopes)
+        multipliers, place, slopes = [], 0, iter(self.slopes)
         for constraint, inverse in zip(self.constraints, self.back, strict=True):
             if inverse is None:
                 size = int(np.prod(constraint.expression.shape))
-                found.append(weights[place : place + size])
+                multipliers.append(weights[place : place + size])
                 place += size
                 continue
             change = next(slopes) @ step
             if inverse.ndim == 2:
-                found.append(mu * inverse.T @ (np.eye(len(change)) - change) @ inverse)
+                multipliers.append(mu * inverse.T @ (np.eye(len(change)) - change) @ inverse)
             else:
-                found.append(mu * inverse * (1 - change))
-        return found
+                multipliers.append(mu * inverse * (1 - change))
+        return multipliers

@@ -33,16 +33,16 @@ def by_margin(program: Program, room: float = 1e-7) -> Outcome:
     Solved or Infeasible or Undecided
     """
     margin_program = raised(program)
-    found = solve(margin_program, rounds=2)  # its sign and a scaling are wanted, not its digits
-    if not isinstance(found, Solved):
-        return Undecided(program.label, found.attempts, "no largest common margin")
-    if found.objective < 0:
-        values = {name: value for name, value in found.values.items() if name != MARGIN}
+    outcome = solve(margin_program, rounds=2)  # its sign and a scaling are wanted, not its digits
+    if not isinstance(outcome, Solved):
+        return Undecided(program.label, outcome.attempts, "no largest common margin")
+    if outcome.objective < 0:
+        values = {name: value for name, value in outcome.values.items() if name != MARGIN}
         check = program.check(values)
-        return Solved(values, check.objective, check, found.gap, found.attempts)
-    scale = scaling.from_point(margin_program, margin_program.coordinates(found.values))
+        return Solved(values, check.objective, check, outcome.gap, outcome.attempts)
+    scale = scaling.from_point(margin_program, margin_program.coordinates(outcome.values))
     multipliers, raw = duality.pushed_inside(margin_program, scale, room)
-    attempts = (*found.attempts, {**raw.record, "aim": "multipliers with room", "asked": room})
+    attempts = (*outcome.attempts, {**raw.record, "aim": "multipliers with room", "asked": room})
     if multipliers is None or not all(np.isfinite(m).all() for m in multipliers):
         return Undecided(program.label, attempts)
     bound, proved = duality.lower_bound(margin_program, scale, multipliers)

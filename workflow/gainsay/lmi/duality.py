@@ -59,16 +59,16 @@ def lower_bound(
     if not system.solvable():
         return -np.inf, {}
     z = [(m + m.T) / 2 if m.ndim == 2 else m for m in scale.multipliers_in(exact, multipliers)]
-    found = None
+    bounded = None
     for cut in cuts:
-        found = system.confined(z, cut) or (system.factored(z, cut) if cut else _restored(system, z))
-        if found is not None:
+        bounded = system.confined(z, cut) or (system.factored(z, cut) if cut else _restored(system, z))
+        if bounded is not None:
             break
-    if found is None:
+    if bounded is None:
         return -np.inf, {}
-    bound = float(program.objective.constant[0, 0]) - exact.cost * found.high
-    bound -= gamma(2) * (abs(float(program.objective.constant[0, 0])) + abs(exact.cost * found.high))
-    parts = unscaled(program.constraints, exact, found.z)
+    bound = float(program.objective.constant[0, 0]) - exact.cost * bounded.high
+    bound -= gamma(2) * (abs(float(program.objective.constant[0, 0])) + abs(exact.cost * bounded.high))
+    parts = unscaled(program.constraints, exact, bounded.z)
     return bound, {name: exact.cost * value for name, value in parts.items()}
 
 
@@ -155,17 +155,17 @@ def level(scaled: scaling.Scaled, constraints: Sequence, setting: str = "clarabe
 _CAP = Entrywise("level <= 1", scalar("level"))
 
 
-def refutation(program: Program, scale: scaling.Scaling, found: Level, attempts: list) -> Farkas | None:
+def refutation(program: Program, scale: scaling.Scaling, level: Level, attempts: list) -> Farkas | None:
     """Multipliers that refute a program, proved to exist near those of phase one or, pushed inside, near its."""
     coordinates = scaling.exact(program, scale)
     if coordinates is None:
         return None
     exact, scaled = coordinates
     system = System(scaled, program.constraints, np.zeros(program.size))
-    if not system.solvable() or not found.multipliers:
+    if not system.solvable() or not level.multipliers:
         return None
-    proved = _refuting(system, scale.multipliers_in(exact, found.multipliers), _CUTS)
-    for multipliers in () if proved is not None else _interior(program, found, attempts):
+    proved = _refuting(system, scale.multipliers_in(exact, level.multipliers), _CUTS)
+    for multipliers in () if proved is not None else _interior(program, level, attempts):
         proved = _refuting(system, scale.multipliers_in(exact, multipliers), (0.0, 1e-6))
         if proved is not None:
             break
@@ -174,31 +174,31 @@ def refutation(program: Program, scale: scaling.Scaling, found: Level, attempts:
     return Farkas(unscaled(program.constraints, exact, proved.z), proved.high, proved.distance, _REASON)
 
 
-def _interior(program: Program, found: Level, attempts: list) -> Iterator[Sequence[np.ndarray]]:
+def _interior(program: Program, level: Level, attempts: list) -> Iterator[Sequence[np.ndarray]]:
     """Multipliers of phase one with room inside their cones, the likeliest to refute first."""
     constraints, rows = (*program.constraints, _CAP), sum(row.size for row in program.rows)
-    if is_small(found.phase):
-        path = list(central_path(found.phase, constraints, _below(found), _GAP * max(-found.value, _LEAST_GAP) / rows))
+    if is_small(level.phase):
+        path = list(central_path(level.phase, constraints, _below(level), _GAP * max(-level.value, _LEAST_GAP) / rows))
         attempts.append({"solver": "central path", "status": f"{len(path)} points", "aim": "interior multipliers"})
         for _, _, multipliers in reversed(path):
             yield multipliers[:-1]
         return
     for push in _PUSHES:
-        interior, raw = _pushed(found.phase, constraints, push / rows)
+        interior, raw = _pushed(level.phase, constraints, push / rows)
         attempts.append({**raw.record, "aim": "interior multipliers", "asked": push / rows})
         if interior is not None and all(np.isfinite(m).all() for m in interior):
             yield interior[:-1]
 
 
-def _below(found: Level) -> np.ndarray:
+def _below(level: Level) -> np.ndarray:
     """A point strictly inside phase one: that of the level, its common margin lowered."""
-    assert found.x is not None, "a level with multipliers has a point"
+    assert level.x is not None, "a level with multipliers has a point"
     lowest = 0.0
-    for tensor, constant in zip(found.phase.tensors[:-1], found.phase.constants[:-1], strict=True):
-        value = constant + tensor[..., :-1] @ found.x
+    for tensor, constant in zip(level.phase.tensors[:-1], level.phase.constants[:-1], strict=True):
+        value = constant + tensor[..., :-1] @ level.x
         if tensor[..., -1].any():
             lowest = min(lowest, float(np.linalg.eigvalsh(value)[0] if value.ndim == 2 else value.min()))
-    return np.append(found.x, lowest - max(1.0, abs(lowest)))
+    return np.append(level.x, lowest - max(1.0, abs(lowest)))
 
 
 def refuted_by(

@@ -55,10 +55,10 @@ def infimum(
     solved, last = decide(program, near, 4, MOST_FACES, settle=margins is not None)
     if not isinstance(solved, Solved):
         return solved
-    found = _enclosed(last, solved, margins)
-    if margins is None and isinstance(found, Infimum) and np.isnan(found.value):
-        found = _enclosed_on_face(last, found)
-    return found if last is program or not isinstance(found, Infimum) else _of_whole(program, found)
+    on_face = _enclosed(last, solved, margins)
+    if margins is None and isinstance(on_face, Infimum) and np.isnan(on_face.value):
+        on_face = _enclosed_on_face(last, on_face)
+    return on_face if last is program or not isinstance(on_face, Infimum) else _of_whole(program, on_face)
 
 
 def _of_whole(program: Program, found: Infimum) -> Infimum:
@@ -143,9 +143,9 @@ def _along_the_path(
             best = min(best, point, key=lambda one: one.objective)
             break
     for _, _, multipliers in reversed(path):
-        bound, found = duality.lower_bound(program, scale, multipliers)
+        bound, dual = duality.lower_bound(program, scale, multipliers)
         if np.isfinite(bound):
-            return (best, bound, found) if bound > lower else (best, lower, proof)
+            return (best, bound, dual) if bound > lower else (best, lower, proof)
     return best, lower, proof
 
 

@@ -58,9 +58,9 @@ class _Part:
 
     def multiplier(self, y: np.ndarray) -> np.ndarray:
         """Of the whole constraint, which weighs this part by the real part of yy*."""
-        found = np.zeros((self.row.size, self.row.size))
-        found[self.rows, self.rows] = np.real(np.outer(y, y.conj()))
-        return found
+        multiplier = np.zeros((self.row.size, self.row.size))
+        multiplier[self.rows, self.rows] = np.real(np.outer(y, y.conj()))
+        return multiplier
 
 
 @dataclass(frozen=True)
@@ -173,13 +173,13 @@ def _pieces(row: Row) -> list[tuple[int, int]]:
 
 def _blocks(row: Row) -> list[tuple[int, int]]:
     """Start and length of the block rows as named, and of diagonal blocks."""
-    found, total = [], 0
+    blocks, total = [], 0
     for _, length in row.constraint.rows if isinstance(row.constraint, Definite) else ():
-        found.append((total, length))
+        blocks.append((total, length))
         total += length
     linked = np.abs(row.constant) + np.abs(row.tensor).sum(axis=2)
     cuts = [i for i in range(row.size + 1) if not linked[:i, i:].any()]
-    return found + [(a, b - a) for a, b in pairwise(cuts)]
+    return blocks + [(a, b - a) for a, b in pairwise(cuts)]
 
 
 def _runs(row: Row) -> list[tuple[int, int]]:
@@ -272,13 +272,13 @@ def _outside(region: Region) -> Iterator[tuple[float, np.ndarray, np.ndarray]]:
         eigenvalues, vectors = np.linalg.eig(region.A)
     except np.linalg.LinAlgError:
         return
-    found = []
+    outside = []
     for s, v in zip(eigenvalues, vectors.T, strict=True):
         values, us = np.linalg.eigh(region.at(s))
         size = np.abs(region.L).max() + 2 * abs(s) * np.abs(region.M).max()
         if values[-1] > 0:
-            found.append((values[-1] / size, float(values[-1]), us[:, -1], v))
-    for _, value, u, v in sorted(found, key=lambda one: -one[0])[:2]:
+            outside.append((values[-1] / size, float(values[-1]), us[:, -1], v))
+    for _, value, u, v in sorted(outside, key=lambda one: -one[0])[:2]:
         yield value, u, v
 
 

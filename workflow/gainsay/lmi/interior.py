@@ -55,11 +55,11 @@ def _inside(program: Program, given: Mapping[str, np.ndarray], weighted: bool) -
     constraints = [*held, equal(cancelled, 0, "unknowns cancel"), equal(size, _count(parts), "size")]
     if value.terms and any(np.abs(c).max() > 0 for c in value.terms.values()):
         constraints.append((-value > -0.5 * min(before, 0.0)).named("value"))
-    found = solve(Program(-level, constraints, label=f"multipliers of {program.label}", margin=1e-9))
-    if not isinstance(found, Solved) or not found["level"] > 0:
+    outcome = solve(Program(-level, constraints, label=f"multipliers of {program.label}", margin=1e-9))
+    if not isinstance(outcome, Solved) or not outcome["level"] > 0:
         return None
     rest = {row.constraint.label: np.zeros_like(given[row.constraint.label]) for row in program.rows}
-    return {**rest, **{part.row.constraint.label: part.filled(found[part.name]) for part in parts}}
+    return {**rest, **{part.row.constraint.label: part.filled(outcome[part.name]) for part in parts}}
 
 
 def _weights(row: Row, given: np.ndarray) -> np.ndarray:
@@ -115,8 +115,8 @@ class _Part:
 
     def filled(self, value: np.ndarray) -> np.ndarray:
         """The multiplier of all rows."""
-        found = np.atleast_2d(np.asarray(value, dtype=float))
-        return self._spread(found if self.row.is_matrix else found.ravel())
+        matrix = np.atleast_2d(np.asarray(value, dtype=float))
+        return self._spread(matrix if self.row.is_matrix else matrix.ravel())
 
 
 def _count(parts: list[_Part]) -> float:

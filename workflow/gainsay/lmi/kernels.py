@@ -47,12 +47,12 @@ class OnKernel:
 
     def lifted(self, proof: Farkas) -> Farkas:
         """Multipliers of the program itself."""
-        found, W = dict(proof.multipliers), self.basis
-        if self.label in found:
-            found[self.label] = W @ found[self.label] @ W.T
+        multipliers, W = dict(proof.multipliers), self.basis
+        if self.label in multipliers:
+            multipliers[self.label] = W @ multipliers[self.label] @ W.T
         return replace(
             proof,
-            multipliers=found,
+            multipliers=multipliers,
             distance=proof.distance * float(np.linalg.norm(W)) ** 2 * (1 + 1e-12),
             reason=f"{proof.reason}, on the kernel of a semidefinite coefficient of {self.label!r}",
         )
@@ -60,10 +60,10 @@ class OnKernel:
 
 def on_kernels(program: Program) -> list[OnKernel]:
     """What a program says on the kernel of a coefficient, what that says on the kernel of another, and so on."""
-    found: list[OnKernel] = []
-    while len(found) < _MOST_KERNELS and (smaller := _on_kernel(found[-1].program if found else program)) is not None:
-        found.append(smaller)
-    return found
+    steps: list[OnKernel] = []
+    while len(steps) < _MOST_KERNELS and (smaller := _on_kernel(steps[-1].program if steps else program)) is not None:
+        steps.append(smaller)
+    return steps
 
 
 def _on_kernel(program: Program) -> OnKernel | None:

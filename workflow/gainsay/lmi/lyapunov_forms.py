@@ -92,8 +92,8 @@ def _region_of(A: np.ndarray, known: np.ndarray, blocks: np.ndarray, basis: np.n
     for p in range(m):
         for q in range(p, m):
             parts = (basis, behind + before) if p == q else (basis, behind, before)
-            found = _fitted(blocks[p, q], parts)
-            constant, slope, back = found if p != q else (found[0], found[1], found[1])
+            coefficients = _fitted(blocks[p, q], parts)
+            constant, slope, back = coefficients if p != q else (coefficients[0], coefficients[1], coefficients[1])
             made = constant * basis + slope * behind + back * before
             size = abs(constant) * np.abs(basis) + abs(slope) * sizes + abs(back) * sizes.transpose(1, 0, 2)
             if not within_rounding(blocks[p, q], made, size, 2 * _terms(basis) + 2):
@@ -113,11 +113,11 @@ def _matrices(blocks: np.ndarray, basis: np.ndarray) -> Iterator[tuple[np.ndarra
     places = [(p, q) for gap in range(m) for p, q in zip(range(m), range(gap, m), strict=False)]
     for p, q in places:
         for side in ("right", "left", "apart") if p < q else ("both",):  # one side first: nothing is left open then
-            for found in _read(blocks[p, q], basis, side):
-                if _is_scalar(found[0]):
-                    scalars.append(found)
+            for pair in _read(blocks[p, q], basis, side):
+                if _is_scalar(pair[0]):
+                    scalars.append(pair)
                 else:
-                    yield found
+                    yield pair
     yield from scalars[:1]
 
 
@@ -146,9 +146,9 @@ def _read(
     place = tuple(np.concatenate(part) for part in zip(*terms, strict=True))
     shape = (count * n * n, (2 if side == "apart" else 1) * n * n)
     stated = sparse.csr_matrix((np.tile(weights, len(terms)), place), shape=shape)
-    found = _solved(stated, value.transpose(2, 0, 1).ravel(), n * n if side == "apart" else None, least)
-    if found is not None:
-        yield from zip(*(part.reshape(-1, n, n) for part in found), strict=True)
+    solution = _solved(stated, value.transpose(2, 0, 1).ravel(), n * n if side == "apart" else None, least)
+    if solution is not None:
+        yield from zip(*(part.reshape(-1, n, n) for part in solution), strict=True)
 
 
 def _solved(stated: Any, right: np.ndarray, free: int | None, least: float) -> tuple[np.ndarray, np.ndarray] | None:
@@ -194,10 +194,10 @@ def _fitted(value: np.ndarray, parts: tuple[np.ndarray, ...]) -> list[float]:
     weights = np.zeros(len(parts))
     kept = np.arange(len(parts))
     for _ in range(2):
-        found = np.linalg.lstsq(columns[:, kept] * units[kept], value.ravel(), rcond=1e-13)[0]
+        coefficients = np.linalg.lstsq(columns[:, kept] * units[kept], value.ravel(), rcond=1e-13)[0]
         weights[:] = 0.0
-        weights[kept] = found * units[kept]
-        kept = kept[np.abs(found) > _NOTHING * np.abs(found).max(initial=0.0)]
+        weights[kept] = coefficients * units[kept]
+        kept = kept[np.abs(coefficients) > _NOTHING * np.abs(coefficients).max(initial=0.0)]
     return [float(w) for w in weights]
 
 
@@ -209,9 +209,9 @@ def read_stein(value: np.ndarray, basis: np.ndarray) -> Iterator[tuple[np.ndarra
     value, basis : ndarray, shape (n, n, k)
     """
     outer = basis - value
-    found = [(A, np.abs(A)) for A in _by_rows(outer, basis)]
-    found = found or [(A, np.full_like(A, np.abs(A).max())) for A in _intertwined(outer, basis)]
-    for A, known in found:
+    matrices = [(A, np.abs(A)) for A in _by_rows(outer, basis)]
+    matrices = matrices or [(A, np.full_like(A, np.abs(A).max())) for A in _intertwined(outer, basis)]
+    for A, known in matrices:
         size = np.abs(basis) + _congruent(known, np.abs(basis))
         if within_rounding(value, basis - _congruent(A, basis), size, 4):
             yield A, known

@@ -88,9 +88,9 @@ class System:
         if stated is None:
             return None
         for sharp in (False, True) if self._few() else (False,):
-            found = self._corrected(*stated, sharp)
-            if found is not None:
-                return found
+            corrected = self._corrected(*stated, sharp)
+            if corrected is not None:
+                return corrected
         return None
 
     def _few(self) -> bool:

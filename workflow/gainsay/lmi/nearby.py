@@ -52,10 +52,10 @@ def closer(program: Program, scale: scaling.Scaling, x: np.ndarray, attempts: li
         if moved is None:
             return None
         own = scaling.first(moved)
-        found = duality.level(scaling.apply(moved, own), moved.constraints)
-        attempts.append({**found.record, "aim": "level, from nearby", "level": found.value})
-        if found.x is None:
+        level = duality.level(scaling.apply(moved, own), moved.constraints)
+        attempts.append({**level.record, "aim": "level, from nearby", "level": level.value})
+        if level.x is None:
             return None
         with np.errstate(over="ignore"):
-            x = x + found.x * own.unknowns
+            x = x + level.x * own.unknowns
     return None

@@ -22,13 +22,13 @@ def ray(program: Program, scale: scaling.Scaling, attempts: list) -> dict[str, A
     cone = scaling.Scaled(np.zeros(program.size), (*zeros, np.ones(1)), (*scaled.tensors, scaled.cost[None, :]))
     own = scaling.Scaled(scaled.cost, zeros, scaled.tensors)
     for setting in backends.CLARABEL:
-        found = duality.level(cone, (*closed, falls), setting)
-        attempts.append({**found.record, "aim": "ray", "level": found.value})
-        if found.x is None:
+        level = duality.level(cone, (*closed, falls), setting)
+        attempts.append({**level.record, "aim": "ray", "level": level.value})
+        if level.x is None:
             continue
-        size = np.abs(found.x).max(initial=0.0)
+        size = np.abs(level.x).max(initial=0.0)
         for cut in (0.0, 1e-8, 1e-6, 1e-4) if size else ():
-            x = np.where(np.abs(found.x) > cut * size, found.x, 0.0)
+            x = np.where(np.abs(level.x) > cut * size, level.x, 0.0)
             proved = points.prove(own, closed, x)
             # an exact direction is near: its part in the equalities is bounded, its inequalities are proved
             if proved is not None and proved.high < 0:

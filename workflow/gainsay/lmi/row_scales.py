@@ -112,13 +112,13 @@ def stein_scales(value: np.ndarray, basis: np.ndarray) -> np.ndarray:
 
 def _single(basis: np.ndarray) -> dict[tuple[int, int], int]:
     """Unknowns that stand in one entry of P (and its mirror image), by that entry."""
-    found = {}
+    places = {}
     counts = np.count_nonzero(basis, axis=(0, 1))
     for k in np.flatnonzero((counts > 0) & (counts <= 2)):
         i, j = (int(t) for t in np.argwhere(basis[:, :, k])[0])
         if counts[k] == (1 if i == j else 2):
-            found[i, j] = int(k)
-    return found
+            places[i, j] = int(k)
+    return places
 
 
 def _weights(ratios: np.ndarray) -> np.ndarray:

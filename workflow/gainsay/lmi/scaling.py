@@ -39,11 +39,11 @@ class Scaling:
 
     def multipliers_in(self, other: "Scaling", multipliers: Sequence[np.ndarray]) -> list[np.ndarray]:
         """Multipliers of this scaling in the coordinates of another."""
-        factor, found = self.cost / other.cost, []
+        factor, moved = self.cost / other.cost, []
         for d, to, z in zip(self.rows, other.rows, multipliers, strict=True):
             ratio = d / to
-            found.append(factor * z * (np.outer(ratio, ratio) if z.ndim == 2 else ratio**2))
-        return found
+            moved.append(factor * z * (np.outer(ratio, ratio) if z.ndim == 2 else ratio**2))
+        return moved
 
 
 @dataclass(frozen=True)
@@ -186,16 +186,16 @@ def _fit(program: Program, known: dict, known_rows: list | None, objective: floa
 
     A coefficient of 1e-17 that should be zero asks for a scale that nothing else in the program asks for.
     """
-    found = _fitted(program, program.rows, known, known_rows, objective)
+    fitted = _fitted(program, program.rows, known, known_rows, objective)
     if known_rows is not None and len(known) == len(program.variables):
-        return found
-    scaled = apply(program, found)
+        return fitted
+    scaled = apply(program, fitted)
     rows = [
         replace(row, constant=_cleared(row.constant, constant), tensor=_cleared(row.tensor, tensor))
         for row, constant, tensor in zip(program.rows, scaled.constants, scaled.tensors, strict=True)
     ]
     if all((new.tensor == row.tensor).all() for new, row in zip(rows, program.rows, strict=True)):
-        return found
+        return fitted
     return _fitted(program, rows, known, known_rows, objective)
 
 

@@ -94,15 +94,15 @@ def decide(
             endless = _endless(program, first, attempts)
             if endless is not None:
                 return endless, program
-        found = _level(program, first, "level", attempts)
-        if found.x is None or not found.value > _PRESENT:
-            proof = _refutation(program, first, found, attempts)
+        level = _level(program, first, "level", attempts)
+        if level.x is None or not level.value > _PRESENT:
+            proof = _refutation(program, first, level, attempts)
             if proof is not None:
                 return Infeasible(proof, tuple(attempts)), program
-            point = None if found.x is None else closer(program, first, found.x * first.unknowns, attempts)
+            point = None if level.x is None else closer(program, first, level.x * first.unknowns, attempts)
             if point is not None:
                 return _beyond_rounding(program, point), program
-            on_face = _on_face(program, first, found, rounds, faces, attempts)
+            on_face = _on_face(program, first, level, rounds, faces, attempts)
             if on_face is not None:
                 return on_face
             proof = _on_kernels(program, attempts)
@@ -110,37 +110,37 @@ def decide(
                 return Infeasible(proof, tuple(attempts)), program
             rounds = 1
         else:
-            inside = found.x * first.unknowns
+            inside = level.x * first.unknowns
             first = scaling.from_point(program, inside)
     # with less room than the margin asked for
     point = None if inside is None else closer(program, first, inside, attempts)
     return (point, program) if point is not None else (Undecided(program.label, tuple(attempts)), program)
 
 
-def _beyond_rounding(program: Program, found: Solved | Infeasible) -> Solved | Infeasible:
+def _beyond_rounding(program: Program, outcome: Solved | Infeasible) -> Solved | Infeasible:
     """The outcome; a point that holds by less than rounding is none of an unstable matrix whose sums were rounded."""
-    proof = instability.refutation(program) if isinstance(found, Solved) and not found.check.holds else None
-    return found if proof is None else Infeasible(proof, found.attempts)
+    proof = instability.refutation(program) if isinstance(outcome, Solved) and not outcome.check.holds else None
+    return outcome if proof is None else Infeasible(proof, outcome.attempts)
 
 
-def _refutation(program: Program, scale: scaling.Scaling, found: duality.Level, attempts: list) -> Farkas | None:
+def _refutation(program: Program, scale: scaling.Scaling, level: duality.Level, attempts: list) -> Farkas | None:
     """Proof that a program has no point, of the whole or of its homogeneous part."""
-    proof = duality.refutation(program, scale, found, attempts)
+    proof = duality.refutation(program, scale, level, attempts)
     part = homogeneous_part(program) if proof is None else None
     if part is None:
         return proof
     own = scaling.first(part.program)
-    found = _level(part.program, own, "level, homogeneous part", attempts)
-    if found.value > _PRESENT:
+    level = _level(part.program, own, "level, homogeneous part", attempts)
+    if level.value > _PRESENT:
         return None
-    proof = duality.refutation(part.program, own, found, attempts) or instability.refutation(part.program)
+    proof = duality.refutation(part.program, own, level, attempts) or instability.refutation(part.program)
     return None if proof is None else part.lifted(proof)
 
 
 def _level(program: Program, scale: scaling.Scaling, aim: str, attempts: list) -> duality.Level:
-    found = duality.level(scaling.apply(program, scale), program.constraints)
-    attempts.append({**found.record, "aim": aim, "level": found.value})
-    return found
+    level = duality.level(scaling.apply(program, scale), program.constraints)
+    attempts.append({**level.record, "aim": aim, "level": level.value})
+    return level
 
 
 def _on_kernels(program: Program, attempts: list) -> Farkas | None:
@@ -159,9 +159,9 @@ def _on_kernels(program: Program, attempts: list) -> Farkas | None:
             proof = instability.refutation(smaller)
         if decided is None and proof is None:
             scale = scaling.first(smaller)
-            found = _level(smaller, scale, "level, on kernels", attempts)
-            present = found.value > _PRESENT
-            proof = None if present else _refutation(smaller, scale, found, attempts)
+            best = _level(smaller, scale, "level, on kernels", attempts)
+            present = best.value > _PRESENT
+            proof = None if present else _refutation(smaller, scale, best, attempts)
         if proof is not None:
             for step in reversed(seen[: number + 1]):
                 proof = step.lifted(proof)
@@ -191,16 +191,16 @@ def _contradiction(program: Program) -> Farkas | None:
 
 
 def _on_face(
-    program: Program, scale: scaling.Scaling, found: duality.Level, rounds: int, faces: int, attempts: list
+    program: Program, scale: scaling.Scaling, level: duality.Level, rounds: int, faces: int, attempts: list
 ) -> tuple[Outcome, Program] | None:
     """Refute by rational multipliers, or go on with the program on the face that they expose."""
-    if not found.multipliers or faces == 0:
+    if not level.multipliers or faces == 0:
         return None
     coordinates = scaling.exact(program, scale)
     if coordinates is None:
         return None
     exact, scaled = coordinates
-    multipliers = scale.multipliers_in(exact, found.multipliers)
+    multipliers = scale.multipliers_in(exact, level.multipliers)
     for target in (0, None):
         for face in exact_faces(scaled, program.constraints, multipliers, target):
             confining = facial.told(program, exact, face)
@@ -331,5 +331,5 @@ def find_point(program: Program, near: Values | None = None) -> Solved | None:
     if decided is not None:
         return decided if isinstance(decided, Solved) else None
     first = scaling.beginning(program, near)
-    found = runs(program, first, "clarabel", 4, [], settle=True)
-    return found if isinstance(found, Solved) else None
+    outcome = runs(program, first, "clarabel", 4, [], settle=True)
+    return outcome if isinstance(outcome, Solved) else None

@@ -147,7 +147,7 @@ def ranges(
         0 for the lower ends, 1 for the upper ones; an end that is not asked for is nan.
     """
     scale = scaling.from_point(program, program.coordinates(near))
-    scaled, found = scaling.apply(program, scale), []
+    scaled, spans = scaling.apply(program, scale), []
     for expression in expressions:
         read = affine(expression)
         cost = np.zeros(program.size)
@@ -164,5 +164,5 @@ def ranges(
             values = {} if raw.x is None else program.values(raw.x * scale.unknowns)
             holds = bool(values) and program.check(values).holds
             ends.append((float(read.value(values)[0, 0]), values) if holds else (float("nan"), {}))
-        found.append(Range(ends[0][0], ends[1][0], ends[0][1], ends[1][1]))
-    return found
+        spans.append(Range(ends[0][0], ends[1][0], ends[0][1], ends[1][1]))
+    return spans

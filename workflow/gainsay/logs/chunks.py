@@ -243,10 +243,10 @@ def _read_block(data: bytes, start: int, end: int, channel: RawChannel, log: Raw
 
 def doubles(block: np.ndarray, columns: range) -> np.ndarray:
     """Return some of the doubles (N, k) of a block of records, the time being column 0."""
-    found = np.empty((len(block), len(columns)))
+    values = np.empty((len(block), len(columns)))
     for place, column in enumerate(columns):
-        found[:, place] = block[f"v{column + 1}"]
-    return found
+        values[:, place] = block[f"v{column + 1}"]
+    return values
 
 
 def _run(block: np.ndarray, number: int) -> int:

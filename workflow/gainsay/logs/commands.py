@@ -30,12 +30,12 @@ def log_files(root: Path, paper: str | None = None) -> list[Path]:
         There is none.
     """
     every = sorted(Path(root).glob("results/*/logs/*.mcap"))
-    found = [mcap for mcap in every if paper in (None, _paper(mcap))]
-    if not found:
+    files = [mcap for mcap in every if paper in (None, _paper(mcap))]
+    if not files:
         papers = dict.fromkeys(map(_paper, every))
         expected = one_of(paper, papers) if paper and papers else "runs written by the simulation step"
         raise InputError("no logs", file=f"results/{paper or '*'}/logs", expected=expected)
-    return found
+    return files
 
 
 def _paper(mcap: Path) -> str:
@@ -206,20 +206,19 @@ def gallery(root: Path, papers: Iterable[str] = (), *, out: str = "gallery") -> 
             folder.mkdir(exist_ok=True)
             shown.append((mcap, []))
             try:
-                found = render(mcap.with_suffix(".rrd"), folder / f"{mcap.stem}.png")
+                rendering = render(mcap.with_suffix(".rrd"), folder / f"{mcap.stem}.png")
             except NotCheckedError as error:
                 print(f"{_paper(mcap)}  {error}", flush=True)
                 code = 3
                 continue
-            shown[-1][1].extend(found.pictures)
-            for problem in found.problems:
+            shown[-1][1].extend(rendering.pictures)
+            for problem in rendering.problems:
                 print(f"{_paper(mcap)}  {problem}", flush=True)
-            if found.problems:
+            if rendering.problems:
                 code = code or 1
             else:
-                print(
-                    f"{_paper(mcap)}  {found.run}: {len(found.views)} views, {len(found.pictures)} pictures", flush=True
-                )
+                views, pictures = len(rendering.views), len(rendering.pictures)
+                print(f"{_paper(mcap)}  {rendering.run}: {views} views, {pictures} pictures", flush=True)
     page = Path(root, "results", "gallery.html")
     write_atomically(page, gallery_page(page.parent, shown))
     print(f"gallery     {len(shown)} runs, see results/gallery.html")

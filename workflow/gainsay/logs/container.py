@@ -287,10 +287,10 @@ class Container:
 
 def _stretches(waiting: Mapping[int, _Waiting], size: int) -> list[tuple[int, int]]:
     """Split the time of all messages into stretches ``first <= t < last`` of about `size` bytes each."""
-    found = [rows.weights(size // 16) for rows in waiting.values()]
-    times = np.concatenate([times for times, _ in found])
+    weights = [rows.weights(size // 16) for rows in waiting.values()]
+    times = np.concatenate([times for times, _ in weights])
     order = np.argsort(times, kind="stable")
-    filled = np.cumsum(np.concatenate([sizes for _, sizes in found])[order])
+    filled = np.cumsum(np.concatenate([sizes for _, sizes in weights])[order])
     begins = np.flatnonzero(np.diff((filled - 1) // size, prepend=-1))
     edges = [int(edge) for edge in np.unique(times[order][begins])]
     return list(zip(edges, [*edges[1:], max(int(rows.times[-1]) for rows in waiting.values()) + 1], strict=True))

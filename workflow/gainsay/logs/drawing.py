@@ -92,7 +92,7 @@ class _Arrows:
         if not self._kept:
             return
         arrows = [arrow for _, entity in self._kept for arrow in entity.arrows]
-        drawn = rr.Arrows3D.columns(
+        columns = rr.Arrows3D.columns(
             origins=np.array([_triple(arrow.pose.position) for arrow in arrows]).reshape(-1, 3),
             vectors=np.array(
                 [_turned(arrow.pose.orientation, arrow.shaft_length + arrow.head_length) for arrow in arrows]
@@ -102,7 +102,7 @@ class _Arrows:
         )
         times = [] if static else [rr.TimeColumn(TIMELINE, duration=np.array([moment for moment, _ in self._kept]))]
         frames = rr.CoordinateFrame.columns(frame=[entity.frame_id for _, entity in self._kept])
-        parts = drawn.partition([len(entity.arrows) for _, entity in self._kept])
+        parts = columns.partition([len(entity.arrows) for _, entity in self._kept])
         self._stream.send_columns(self._path, indexes=times, columns=[*frames, *parts])
 
 

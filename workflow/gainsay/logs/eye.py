@@ -48,7 +48,7 @@ def eye_of(scene: Scene, log: Log) -> Eye:
 
 def _shifts(log: Log) -> dict[str, np.ndarray]:
     """Places (N, 3) of the origin of each frame in its parent at the corners of the box that it moves in, m."""
-    found: dict[str, np.ndarray] = {}
+    shifts: dict[str, np.ndarray] = {}
     for topic in log.topics:
         if log.kind(topic) == "transforms":
             moved: dict[str, list[tuple[float, float, float]]] = {}
@@ -59,8 +59,8 @@ def _shifts(log: Log) -> dict[str, np.ndarray]:
             for frame, places in moved.items():
                 every = np.array(places)
                 rows = np.unique([*every.argmin(axis=0), *every.argmax(axis=0)])
-                found[frame] = every[rows]
-    return found
+                shifts[frame] = every[rows]
+    return shifts
 
 
 def _points(entity: Any) -> Iterator[tuple[float, float, float]]:

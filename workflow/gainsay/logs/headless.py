@@ -77,26 +77,26 @@ def headless_viewer() -> Iterator[Viewer]:
     OSError
         It ends at once, or does not listen in time.
     """
-    with quiet() as environment, tempfile.TemporaryFile() as said:
+    with quiet() as environment, tempfile.TemporaryFile() as output:
         from rerun.experimental import ViewerClient
 
         port = _free_port()
         command = [rerun_binary(), "--headless", "--hide-welcome-screen", "--bind", "127.0.0.1", "--port", str(port)]
-        process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=said, stderr=said)
+        process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=output, stderr=output)
         try:
-            _await(process, port, said)
+            _await(process, port, output)
             yield Viewer(process, ViewerClient.connect(f"rerun+http://127.0.0.1:{port}/proxy"))
         finally:
             process.kill()
             process.wait()
 
 
-def _await(process: "subprocess.Popen[bytes]", port: int, said: IO[bytes]) -> None:
+def _await(process: "subprocess.Popen[bytes]", port: int, output: IO[bytes]) -> None:
     limit = clock.monotonic() + STARTS
     while clock.monotonic() < limit:
         if process.poll() is not None:
-            said.seek(0)
-            lines = said.read().decode(errors="replace").strip().splitlines()
+            output.seek(0)
+            lines = output.read().decode(errors="replace").strip().splitlines()
             raise OSError(lines[-1] if lines else f"it ended with code {process.returncode}")
         with socket.socket() as probe:
             if probe.connect_ex(("127.0.0.1", port)) == 0:

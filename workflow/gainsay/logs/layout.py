@@ -118,9 +118,9 @@ class Plot:
     @property
     def unit(self) -> str:
         """Unit named by the title."""
-        found = _UNIT.fullmatch(self.title)
-        assert found, "checked when made"
-        return found[1]
+        match = _UNIT.fullmatch(self.title)
+        assert match, "checked when made"
+        return match[1]
 
 
 @dataclass(frozen=True)

@@ -61,11 +61,11 @@ def linear_run(
     """
 
     def simulate(case: Any, designs: Mapping[str, Any], log: LogWriter) -> None:
-        found = respond(case, steps)
+        response = respond(case, steps)
         for topic, (units, C) in signals(case).items():
-            log.signal(topic, units, found.time, found.states @ np.atleast_2d(C).T)
+            log.signal(topic, units, response.time, response.states @ np.atleast_2d(C).T)
         second = numbers(case, respond(case, round(_SECOND * steps)))
-        for quantity, value in numbers(case, found).items():
+        for quantity, value in numbers(case, response).items():
             unit = _unit(case, quantity)
             log.summary(_field(quantity), value, unit)
             log.summary(f"{_field(quantity)}_second", second[quantity], unit)
@@ -78,12 +78,12 @@ def linear_run(
 
 def _measure(case: Any, log: Log) -> dict[str, Measured]:
     """Read every quantity of the log, with the distance of the two meshes, and rounding, as its band."""
-    found = {}
+    numbers = {}
     for quantity in (name for name in case.quantities if _field(name) in log.summaries):
         value, second = log.summaries[_field(quantity)], log.summaries[f"{_field(quantity)}_second"]
         band = abs(value - second) + 1e-12 * abs(value)
-        found[quantity] = Measured(value, _METHOD, value - band, value + band)
-    return found
+        numbers[quantity] = Measured(value, _METHOD, value - band, value + band)
+    return numbers
 
 
 def _field(quantity: str) -> str:

@@ -56,9 +56,9 @@ def rerun_binary() -> str:
         The viewer is not installed.
     """
     for folder in sys.path:
-        found = Path(folder, "rerun_cli", "rerun.exe" if os.name == "nt" else "rerun")
-        if found.is_file():
-            return str(found)
+        binary = Path(folder, "rerun_cli", "rerun.exe" if os.name == "nt" else "rerun")
+        if binary.is_file():
+            return str(binary)
     command = shutil.which("rerun")
     if command is None:
         raise LogError("the Rerun viewer is not installed", expected=missing_extra("rerun"))

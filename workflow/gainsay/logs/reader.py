@@ -57,10 +57,10 @@ class Signal:
     def _columns(self, columns: range) -> np.ndarray:
         if columns in self._kept:
             return self._kept[columns]
-        found = self._load(columns)
+        values = self._load(columns)
         if self._keep:
-            self._kept[columns] = found
-        return found
+            self._kept[columns] = values
+        return values
 
     @property
     def time(self) -> np.ndarray:
@@ -140,22 +140,22 @@ class Extreme(NamedTuple):
     second: float
 
 
-def _extremes(found: Signal) -> dict[str, Extreme]:
+def _extremes(signal: Signal) -> dict[str, Extreme]:
     """Extremes of a message: of each its value, its time and its second value; nothing where a field is another."""
-    names, row = found.fields[::3], found.values[0].tolist()
-    if found.fields != tuple(field for name in names for field in (name, f"{name}_time", f"{name}_second")):
+    names, row = signal.fields[::3], signal.values[0].tolist()
+    if signal.fields != tuple(field for name in names for field in (name, f"{name}_time", f"{name}_second")):
         return {}
     return {name: Extreme(row[k + 1], row[k], row[k + 2]) for k, name in zip(range(0, len(row), 3), names, strict=True)}
 
 
-def _summaries(found: Signal) -> dict[str, float]:
-    return dict(zip(found.fields, found.values[0].tolist(), strict=True))
+def _summaries(signal: Signal) -> dict[str, float]:
+    return dict(zip(signal.fields, signal.values[0].tolist(), strict=True))
 
 
-def _bound(found: Signal) -> dict[str, dict[str, float]]:
-    if not set(found.fields) <= {"lower", "upper"} or not found.fields:
+def _bound(signal: Signal) -> dict[str, dict[str, float]]:
+    if not set(signal.fields) <= {"lower", "upper"} or not signal.fields:
         return {}
-    return {found.topic.removeprefix("/bounds/"): _summaries(found)}
+    return {signal.topic.removeprefix("/bounds/"): _summaries(signal)}
 
 
 class Log(Mapping[str, Signal]):
@@ -198,13 +198,13 @@ class Log(Mapping[str, Signal]):
                 continue
             # as many messages as the writer gives such a topic: one, or a bound at both ends of the time
             counted = signal.count == (2 if kind == "bound" else 1)
-            found = (
+            values = (
                 read(signal) if counted and (topic == place or (kind == "bound" and topic.startswith(place))) else {}
             )
-            if not found:
+            if not values:
                 what = f"{signal.count} messages of {', '.join(signal.fields) or 'nothing'} on {topic}"
                 raise LogError(f"{what}, of the kind {kind}", file=self.path.name, expected="what a log has of it")
-            named.update(found)
+            named.update(values)
         return MappingProxyType(named)
 
     def _signal(self, raw: RawChannel) -> Signal:
@@ -257,8 +257,8 @@ class Log(Mapping[str, Signal]):
         kind = foxglove_class(_MESSAGES[self.kind(topic)])
         kept = self._content.keeps
         try:
-            found = raw.messages if kept else again(self._stream, self.path.name, self._content, raw)
-            return [(time / 1e9, kind.FromString(data)) for time, data in found]
+            messages = raw.messages if kept else again(self._stream, self.path.name, self._content, raw)
+            return [(time / 1e9, kind.FromString(data)) for time, data in messages]
         except DecodeError:
             raise LogError(f"message of {topic} does not decode", file=self.path.name) from None
 
@@ -267,8 +267,8 @@ class Log(Mapping[str, Signal]):
         """Events in order of time."""
         if EVENTS not in self._raw:
             return ()
-        found = [Event(t, m.name, m.message, LEVELS[m.level % len(LEVELS)]) for t, m in self.messages(EVENTS)]
-        return tuple(sorted(found, key=lambda event: event.time))
+        events = [Event(t, m.name, m.message, LEVELS[m.level % len(LEVELS)]) for t, m in self.messages(EVENTS)]
+        return tuple(sorted(events, key=lambda event: event.time))
 
     @cached_property
     def frames(self) -> Mapping[str, str]:

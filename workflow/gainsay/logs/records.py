@@ -62,14 +62,14 @@ class Fields:
         size = self.number("I")
         end = self._take(size) + size
         inner = Fields(self.data, end - size, end, self.where, self.offset)
-        found = {}
+        pairs = {}
         while inner.at < end:
             start = inner.at
             key = inner.text()
-            if key in found:
+            if key in pairs:
                 raise self.where.error(f"the key {key!r} twice", self.offset + start)
-            found[key] = inner.text()
-        return found
+            pairs[key] = inner.text()
+        return pairs
 
     def done(self) -> None:
         """Refuse a record that goes on."""

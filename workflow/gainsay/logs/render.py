@@ -62,20 +62,20 @@ def render(rrd: Path, png: Path, *, time: float | None = None) -> Rendering:
     rrd, png = Path(rrd), Path(png)
     if not rrd.is_file():
         raise NotCheckedError(f"not checked: no file {rrd.name}")
-    found = Rendering(rrd.stem)
+    rendering = Rendering(rrd.stem)
     try:
         with headless_viewer() as viewer:
-            _look(viewer, rrd, png, time, found)
+            _look(viewer, rrd, png, time, rendering)
     except (RuntimeError, OSError, ImportError, LogError) as error:
         raise NotCheckedError(f"not checked: {rrd.name}: the viewer failed: {str(error).splitlines()[0]}") from error
-    return found
+    return rendering
 
 
-def _look(viewer: Viewer, rrd: Path, png: Path, time: float | None, found: Rendering) -> None:
+def _look(viewer: Viewer, rrd: Path, png: Path, time: float | None, rendering: Rendering) -> None:
     recording = _load(viewer, rrd)
     line = next((line for line in recording.timelines if line.name == recording.current_timeline), None)
     if line is None or line.time_type != "duration" or line.start != 0:
-        found.problems.append(f"{found.run}: the time panel does not start at 0 of the simulation")
+        rendering.problems.append(f"{rendering.run}: the time panel does not start at 0 of the simulation")
     end = (line.end or 0) / 1e9 if line else 0.0
     viewer.ask(viewer.client.set_time, duration=end / 40.0 if time is None else time, play_state="paused")
     tabs = _tabs(viewer.ask(viewer.client.get_blueprint, "recording").blueprint)
@@ -86,18 +86,18 @@ def _look(viewer: Viewer, rrd: Path, png: Path, time: float | None, found: Rende
             viewer.ask(viewer.client.set_blueprint, blueprint, "recording")
         picture = png if number == 1 else png.with_name(f"{png.stem}_{number}{png.suffix}")
         picture.write_bytes(_steady(viewer))
-        found.pictures.append(picture)
+        rendering.pictures.append(picture)
         for view in viewer.ask(viewer.client.get_state).views:
             if f"view/{view.view_id}" not in views:
                 continue
-            found.views.append(view.name)
-            found.problems += [f"{found.run}: {view.name}: {r.severity}: {r.summary}" for r in view.reports]
+            rendering.views.append(view.name)
+            rendering.problems += [f"{rendering.run}: {view.name}: {r.severity}: {r.summary}" for r in view.reports]
             if empty(viewer.ask(viewer.client.take_screenshot, view.view_id), view.view_class):
-                found.problems.append(f"{found.run}: {view.name}: empty")
-    found.problems = list(dict.fromkeys(found.problems))
+                rendering.problems.append(f"{rendering.run}: {view.name}: empty")
+    rendering.problems = list(dict.fromkeys(rendering.problems))
     shown = sum(len(views) for _, views in tabs)
-    if not shown or shown != len(found.views):
-        found.problems.append(f"{found.run}: {len(found.views)} views seen of {shown} in the blueprint")
+    if not shown or shown != len(rendering.views):
+        rendering.problems.append(f"{rendering.run}: {len(rendering.views)} views seen of {shown} in the blueprint")
 
 
 def _load(viewer: Viewer, rrd: Path) -> Any:
@@ -132,8 +132,8 @@ def _top(blueprint: dict[str, Any]) -> dict[str, Any]:
 
 def _contents(container: dict[str, Any]) -> list[str]:
     """Paths inside a container; the viewer writes a list of one as its one element."""
-    found = container["contents"]
-    return [found] if isinstance(found, str) else found
+    contents = container["contents"]
+    return [contents] if isinstance(contents, str) else contents
 
 
 def _tabs(blueprint: dict[str, Any]) -> list[tuple[str, set[str]]]:
@@ -145,10 +145,10 @@ def _tabs(blueprint: dict[str, Any]) -> list[tuple[str, set[str]]]:
         return set().union(*(views(inner) for inner in _contents(blueprint["/" + path]["ContainerBlueprint"])))
 
     top = _top(blueprint)
-    found = [(path, views(path)) for path in _contents(top)]
-    if top["container_kind"] == "Tabs" and len(found) > 1:
-        return found
-    return [("", set().union(*(views for _, views in found)))]
+    tabs = [(path, views(path)) for path in _contents(top)]
+    if top["container_kind"] == "Tabs" and len(tabs) > 1:
+        return tabs
+    return [("", set().union(*(views for _, views in tabs)))]
 
 
 def empty(png: bytes, view_class: str) -> bool:

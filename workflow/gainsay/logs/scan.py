@@ -198,9 +198,9 @@ def again(stream: BinaryIO, file: str, log: RawLog, channel: RawChannel) -> Iter
 
 def columns_of(stream: BinaryIO, file: str, log: RawLog, channel: RawChannel, columns: range) -> np.ndarray:
     """Return some columns (N, k) of a channel of doubles, the time being column 0; read again where not kept."""
-    found, row = np.empty((channel.count, len(columns))), 0
+    values, row = np.empty((channel.count, len(columns))), 0
     kept = (block[:, columns.start : columns.stop] for block in channel.blocks)
     for block in kept if log.keeps else (doubles(block, columns) for block in again(stream, file, log, channel)):
-        found[row : row + len(block)] = block
+        values[row : row + len(block)] = block
         row += len(block)
-    return found
+    return values

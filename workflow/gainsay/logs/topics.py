@@ -19,14 +19,14 @@ class Topics:
 
     def __init__(self) -> None:
         self._runs: dict[str, str] = {}
-        self._found: dict[str, tuple[str, dict[str, str], list[str]]] = {}
+        self._topics: dict[str, tuple[str, dict[str, str], list[str]]] = {}
 
     def add(self, run: str, log: Log) -> None:
         """Note what a log holds."""
         self._runs[run] = log.metadata.get("about", "")
         for topic in log.topics:
             units = log[topic].units if topic in log else {}
-            _, known, runs = self._found.setdefault(topic, (log.kind(topic), dict(units), []))
+            _, known, runs = self._topics.setdefault(topic, (log.kind(topic), dict(units), []))
             known.update(units)
             runs.append(run)
 
@@ -36,7 +36,7 @@ class Topics:
         lines += ["| run | what it is |", "| --- | --- |"]
         lines += [f"| `{run}` | {_cell(about)} |" for run, about in self._runs.items()]
         lines += ["", "| topic | holds | fields | runs |", "| --- | --- | --- | --- |"]
-        for topic, (kind, units, runs) in sorted(self._found.items()):
+        for topic, (kind, units, runs) in sorted(self._topics.items()):
             fields = ", ".join(f"`{field}` [{unit}]" for field, unit in units.items())
             where = "all" if len(runs) == len(self._runs) else ", ".join(f"`{run}`" for run in runs)
             lines.append(f"| `{topic}` | {_WHAT.get(kind, kind)} | {fields} | {where} |")

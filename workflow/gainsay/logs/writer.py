@@ -339,12 +339,12 @@ class LogWriter(Elements):
 
     def bound(self, name: str, unit: str, *, lower: float | None = None, upper: float | None = None) -> None:
         """Log a bound as constants ``lower`` and ``upper`` on ``/bounds/<name>``, from 0 to the end of the log."""
-        found = {key: value for key, value in (("lower", lower), ("upper", upper)) if value is not None}
-        if not found or not all(math.isfinite(value) for value in found.values()):
-            raise InputError(f"bound {name}", value=found, expected="a finite lower or upper value, or both")
+        ends = {key: value for key, value in (("lower", lower), ("upper", upper)) if value is not None}
+        if not ends or not all(math.isfinite(value) for value in ends.values()):
+            raise InputError(f"bound {name}", value=ends, expected="a finite lower or upper value, or both")
         if name in self._bounds:
             raise InputError("bound logged twice", value=name, expected="each once")
-        units, values = dict.fromkeys(found, unit), [float(value) for value in found.values()]
+        units, values = dict.fromkeys(ends, unit), [float(value) for value in ends.values()]
         self._numbers(f"/bounds/{name}", units, "bound", [0.0], [values])
         self._bounds[name] = (units, values)
 

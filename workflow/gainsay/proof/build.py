@@ -50,22 +50,22 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
     )
     # the proof is made of what a file of it would hold, once
     draft = Certificate.from_json(draft.to_json(compact=True), draft.id)
-    found, data = checker.proved(draft, tables)
+    proofs, data = checker.proved(draft, tables)
     conclusions = list(draft.conclusions)
     for of, quantity in (quantities or {}).items():
-        about = [p for p in found if p.of == of]
+        about = [p for p in proofs if p.of == of]
         if not about:
-            known = ", ".join(sorted({p.of for p in found}))
+            known = ", ".join(sorted({p.of for p in proofs}))
             raise CertificateError(
                 f"{draft.id}: kind {draft.kind} proves nothing about {of!r} here (but about {known})"
             )
         conclusions += [Conclusion(quantity, p.relation, p.value, of) for p in about]
     if not conclusions:  # about the formulas themselves
-        conclusions = [Conclusion("", p.relation, p.value, p.of) for p in found]
+        conclusions = [Conclusion("", p.relation, p.value, p.of) for p in proofs]
     done = Certificate.from_json(
         draft.changed(data=data, conclusions=tuple(dict.fromkeys(conclusions))).to_json(compact=True), draft.id
     )
-    checker.concluded(done, tables, found, data)
+    checker.concluded(done, tables, proofs, data)
     _accepted.add((done.paper, done.digest()))
     return done
 

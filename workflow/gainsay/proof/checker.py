@@ -127,9 +127,9 @@ def _complete(stored: dict[str, Any], read: dict[str, Any], owner: str) -> None:
                 raise CertificateError(f"{owner}: data hold {group} {name!r}, which no formula reads")
 
 
-def implied(found: Sequence[Proved], conclusion: Conclusion) -> bool:
+def implied(proofs: Sequence[Proved], conclusion: Conclusion) -> bool:
     """Whether what was proved implies a conclusion."""
-    about = [p for p in found if p.of == conclusion.of]
+    about = [p for p in proofs if p.of == conclusion.of]
     if conclusion.relation in ("holds", "fails"):
         return conclusion.value is None and any(p.relation == conclusion.relation for p in about)
     if conclusion.value is None:
@@ -137,8 +137,8 @@ def implied(found: Sequence[Proved], conclusion: Conclusion) -> bool:
     if conclusion.relation == "inside":
         low, high = ends(conclusion.value)
         below = Conclusion(conclusion.quantity, "at_least", str(low), conclusion.of)
-        return implied(found, below) and implied(
-            found, Conclusion(conclusion.quantity, "at_most", str(high), conclusion.of)
+        return implied(proofs, below) and implied(
+            proofs, Conclusion(conclusion.quantity, "at_most", str(high), conclusion.of)
         )
     value = exact(conclusion.value)
     above = conclusion.relation in ("at_most", "less_than")
@@ -193,9 +193,9 @@ def check(certificate: Certificate, tables: Any) -> Proof:
         ) from error
 
 
-def concluded(certificate: Certificate, tables: Any, found: Sequence[Proved], read: dict[str, Any]) -> Proof:
+def concluded(certificate: Certificate, tables: Any, proofs: Sequence[Proved], read: dict[str, Any]) -> Proof:
     """What follows from what `proved` has just found and read of the same certificate: it is not proved twice."""
-    return _check(certificate, tables, (found, read))
+    return _check(certificate, tables, (proofs, read))
 
 
 def _check(
@@ -211,16 +211,16 @@ def _check(
     if known is None:
         _same_data(certificate, tables)
         known = proved(certificate, tables)
-    found, read = known
+    proofs, read = known
     _complete(dict(certificate.data), read, owner)
     reader = adapted(tables)
     for conclusion in certificate.conclusions:
         try:
-            follows = implied(found, conclusion)
+            follows = implied(proofs, conclusion)
         except ValueError as error:
             raise CertificateError(f"{owner}: conclusion on {conclusion.quantity!r}: {error}") from error
         if not follows:
-            given = "; ".join(f"{p.of} {p.relation} {p.value or ''}".strip()[:200] for p in found)
+            given = "; ".join(f"{p.of} {p.relation} {p.value or ''}".strip()[:200] for p in proofs)
             raise CertificateError(
                 f"{owner}: {conclusion.of or '?'} {conclusion.relation} {conclusion.value or ''} "
                 f"of {conclusion.quantity!r} does not follow from what was proved ({given})"
@@ -237,7 +237,7 @@ def _check(
         statement=certificate.statement,
         kind=certificate.kind,
         theorem=kind.THEOREM,
-        proved=tuple(found),
+        proved=tuple(proofs),
         conclusions=tuple(certificate.conclusions),
         formulas=tuple(_formulas(certificate)),
         faith=faith,

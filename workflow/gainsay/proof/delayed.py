@@ -80,10 +80,10 @@ class DelayedLoop:
         """A number that no root with Re s >= 0 exceeds in size, more than zero."""
         whole = [_sizes(part) for part in (self.undelayed, *self.late)]
         total = [[sum(entries, arb(0)) for entries in zip(*rows, strict=True)] for rows in zip(*whole, strict=True)]
-        found = perron(total)
-        if found is None:
+        root = perron(total)
+        if root is None:
             raise NotSettled("a matrix that is not finite")
-        return (found * arb(1.01)).upper().fmpq() if found > 0 else fmpq(1)
+        return (root * arb(1.01)).upper().fmpq() if root > 0 else fmpq(1)
 
     @property
     def varies(self) -> bool:
@@ -260,10 +260,10 @@ def perron(bound: list[list[arb]]) -> arb | None:
         weights = [w / 2 + y / largest / 2 + 1e-9 for w, y in zip(weights, image, strict=True)]
     exact = [arb(w) for w in weights]
     products = (arb_mat(bound) * arb_mat([[w] for w in exact])).entries()
-    found = arb(0)
+    most = arb(0)
     for product, weight in zip(products, exact, strict=True):
-        found = found.max((product / weight).upper())
-    return found if found.is_finite() else None
+        most = most.max((product / weight).upper())
+    return most if most.is_finite() else None
 
 
 def _below(gain: acb_mat, level: arb) -> bool:

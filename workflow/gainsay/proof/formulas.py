@@ -144,8 +144,8 @@ def names_in(text: str) -> frozenset[str]:
 
 @lru_cache(maxsize=KEPT)
 def _names(text: str) -> frozenset[str]:
-    found = {node.id for node in ast.walk(tree_of(text)) if isinstance(node, ast.Name)}
-    return frozenset(found - {*_FUNCTIONS, *_CONSTANTS})
+    names = {node.id for node in ast.walk(tree_of(text)) if isinstance(node, ast.Name)}
+    return frozenset(names - {*_FUNCTIONS, *_CONSTANTS})
 
 
 def parameter_of(text: str, definitions: Mapping[str, str]) -> str | None:

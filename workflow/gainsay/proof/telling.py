@@ -28,9 +28,9 @@ def one_line(text: str) -> str:
     return shown if len(shown) <= _LONGEST else shown[: _LONGEST - 3] + "..."
 
 
-def _says(found: Conclusion | Proved) -> str:
-    value = (found.value or "").replace("..", " to ")
-    return f"{_WORDS.get(found.relation, found.relation)} {value}".strip()
+def _says(conclusion: Conclusion | Proved) -> str:
+    value = (conclusion.value or "").replace("..", " to ")
+    return f"{_WORDS.get(conclusion.relation, conclusion.relation)} {value}".strip()
 
 
 def concluded(conclusion: Conclusion, proof: Proof) -> str:
@@ -44,9 +44,9 @@ def lines(proof: Proof) -> Iterator[str]:
     for conclusion in proof.conclusions:
         yield f"concluded: {concluded(conclusion, proof)}"
     about = {conclusion.of for conclusion in proof.conclusions}
-    for found in proof.proved:
-        if found.of not in about:
-            yield f"proved on the way: {found.of} {_says(found)}"
+    for step in proof.proved:
+        if step.of not in about:
+            yield f"proved on the way: {step.of} {_says(step)}"
     for name, text in proof.formulas:
         yield f"formula: {name} = {text}" if not name.startswith("unknown ") else f"formula: {name}, {text}"
     for sentence in proof.faith:

@@ -56,11 +56,11 @@ def name_tex(name: str) -> str:
     suffixes: list[str] = []
     for part in parts[1:]:
         (suffixes if part in _SUFFIXES else below).append(part)
-    found = _WORD.fullmatch(first)
-    if found and found[3] and (len(found[1]) == 1 or found[1] in _GREEK):
-        first, below, suffixes = found[1], [found[2], *below], [found[3], *suffixes]
-    elif found and found[2] and not found[3]:
-        first, below = found[1], [found[2], *below]
+    match = _WORD.fullmatch(first)
+    if match and match[3] and (len(match[1]) == 1 or match[1] in _GREEK):
+        first, below, suffixes = match[1], [match[2], *below], [match[3], *suffixes]
+    elif match and match[2] and not match[3]:
+        first, below = match[1], [match[2], *below]
     shown = _letter(first) if first.isalpha() else rf"\mathrm{{{first}}}"
     for suffix in suffixes:
         shown = _SUFFIXES[suffix].format(shown)
@@ -72,8 +72,8 @@ def name_tex(name: str) -> str:
 
 
 def _below(part: str) -> str:
-    found = re.fullmatch(r"([A-Za-z]*)(\d*)", part)
-    return (_letter(found[1]) if found[1] else "") + found[2] if found else rf"\mathrm{{{part}}}"
+    match = re.fullmatch(r"([A-Za-z]*)(\d*)", part)
+    return (_letter(match[1]) if match[1] else "") + match[2] if match else rf"\mathrm{{{part}}}"
 
 
 def _literal(text: str) -> str:

@@ -13,12 +13,12 @@ from gainsay.report.reading import PaperResults, Row
 from gainsay.report.sentences import said
 from gainsay.report.wording import (
     condition,
-    found_value,
     input_name,
     input_value,
     is_truth,
     published_value,
     reason,
+    recomputed_value,
     turning_point,
 )
 from gainsay.tables import Case
@@ -222,11 +222,11 @@ def _range(claim: Claim, row: Row, quantities: Sequence[QuantityView], truth: bo
     return span(low, high, claim.unit)
 
 
-def _at(found: tuple[float, Mapping] | None, of: str, units: Mapping[str, str]) -> Markup:
+def _at(pair: tuple[float, Mapping] | None, of: str, units: Mapping[str, str]) -> Markup:
     """Say the value of a quantity and the inputs at which it was found."""
-    if not found:
+    if not pair:
         return Markup("")
-    value, point = found
+    value, point = pair
     inputs = Markup(", ").join(
         Markup("<i>{}</i> = {}").format(name.replace("_", " "), input_value(at, units.get(name, "")))
         for name, at in point.items()
@@ -256,17 +256,17 @@ def scan_view(case: Case, scan: Outcome, of: str) -> ScanView:
     )
 
 
-def quantity_view(found: PaperResults, quantity: str) -> QuantityView:
+def quantity_view(results: PaperResults, quantity: str) -> QuantityView:
     """Return a declared quantity with what was computed of it, and what is on record where that differs."""
-    declared = found.case.quantities[quantity]
-    row = found.quantities.get(quantity)
-    differing = {d["item"]: d["expected"] for d in found.differences if d["what"] == "quantity"}
-    file = found.existing(row["source"]) if row else ""
+    declared = results.case.quantities[quantity]
+    row = results.quantities.get(quantity)
+    differing = {d["item"]: d["expected"] for d in results.differences if d["what"] == "quantity"}
+    file = results.existing(row["source"]) if row else ""
     return QuantityView(quantity, declared.meaning, declared.unit, declared.step, row, file, differing.get(quantity))
 
 
-def _claim_view(found: PaperResults, claim: Claim) -> ClaimView:
-    row = found.verdicts.get(claim.id)
+def _claim_view(results: PaperResults, claim: Claim) -> ClaimView:
+    row = results.verdicts.get(claim.id)
     verdict = row["verdict"] if row and row["verdict"] in VERDICTS else NONE_YET
     row = row or dict.fromkeys(
         (
@@ -286,28 +286,28 @@ def _claim_view(found: PaperResults, claim: Claim) -> ClaimView:
     )
     joins = tuple(claim.quantity.split()) if claim.comparator == "all_of" else ()
     named = [] if joins else [claim.quantity, claim.published if claim.comparator == "less_than" else ""]
-    quantities = tuple(quantity_view(found, name) for name in named if name in found.case.quantities)
-    at_fault = [other for other in joins if found.verdicts.get(other, {}).get("verdict") == verdict]
-    scan = found.scans.get(claim.id)
-    declared, truth = found.case.quantities.get(claim.quantity), is_truth(claim)
+    quantities = tuple(quantity_view(results, name) for name in named if name in results.case.quantities)
+    at_fault = [other for other in joins if results.verdicts.get(other, {}).get("verdict") == verdict]
+    scan = results.scans.get(claim.id)
+    declared, truth = results.case.quantities.get(claim.quantity), is_truth(claim)
     return ClaimView(
         claim=claim,
         verdict=verdict,
         row=row,
-        published=published_value(found, claim),
-        recomputed=found_value(found, claim, row),
-        reason=reason(found, claim, row, [claim_link(found.case.name, other) for other in at_fault]),
+        published=published_value(results, claim),
+        recomputed=recomputed_value(results, claim, row),
+        reason=reason(results, claim, row, [claim_link(results.case.name, other) for other in at_fault]),
         range=_range(claim, row, quantities, truth),
         tolerance=Markup("") if row["tolerance"] in ("", "0.0") else number(row["tolerance"], claim.unit),
         quantities=quantities,
         joins=joins,
         certificates=tuple(
-            found.certificates.get(name, CertificateFile(name, False, "the certificate is not on file"))
+            results.certificates.get(name, CertificateFile(name, False, "the certificate is not on file"))
             for name in row["certificate"].split()
         ),
-        scan=scan_view(found.case, scan, to_si(declared.unit)[0] if declared else "1") if scan else None,
+        scan=scan_view(results.case, scan, to_si(declared.unit)[0] if declared else "1") if scan else None,
         truth=truth,
-        given=condition(found, claim.given) if claim.given else Markup(""),
+        given=condition(results, claim.given) if claim.given else Markup(""),
     )
 
 
@@ -318,10 +318,10 @@ def _of_sentence(together: Sequence[ClaimView]) -> str:
     return of_sentence((view.claim, view.verdict) for view in together)
 
 
-def verdicts_of(found: PaperResults) -> Verdicts:
+def verdicts_of(results: PaperResults) -> Verdicts:
     """Return all claims of a paper in the order of its table, and how many sentences have which verdict."""
-    claims = {claim.id: _claim_view(found, claim) for claim in found.case.claims.values()}
-    spoken = sentences(found.case.claims.values())
+    claims = {claim.id: _claim_view(results, claim) for claim in results.case.claims.values()}
+    spoken = sentences(results.case.claims.values())
     counted = Counter(_of_sentence([claims[claim.id] for claim in together]) for together in spoken)
     counts = {v: counted[v] for v in (*ORDER, NONE_YET) if counted[v] or v in ALWAYS}
     return Verdicts(tuple(claims.values()), counts)

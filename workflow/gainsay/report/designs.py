@@ -62,17 +62,17 @@ def _outcome(better: str, printed: float, other: float) -> str:
     return "better" if (other < printed) == (better == "less") else "worse"
 
 
-def comparisons(found: PaperResults) -> tuple[Comparison, ...]:
+def comparisons(results: PaperResults) -> tuple[Comparison, ...]:
     """Return every measure that paper.toml names beside each design that has it, a table for each that is compared.
 
     The design that the others are held against stands in a row even where no other design was measured alike.
     """
-    against = dict.fromkeys(map(held_against, found.case.paper.measures.values()))
-    return tuple(_comparison(found, design) for design in against)
+    against = dict.fromkeys(map(held_against, results.case.paper.measures.values()))
+    return tuple(_comparison(results, design) for design in against)
 
 
-def _comparison(found: PaperResults, against: str) -> Comparison:
-    case = found.case
+def _comparison(results: PaperResults, against: str) -> Comparison:
+    case = results.case
     names = [*case.paper.designs, *(run for run in case.paper.runs if run not in case.paper.designs)]
     asked = {
         own: {name: quantity for name in names if (quantity := measure_of(case, text, name)) not in ("", own)}
@@ -80,14 +80,14 @@ def _comparison(found: PaperResults, against: str) -> Comparison:
         if held_against(text) == against
     }
     designs = tuple(name for name in names if any(name in quantities for quantities in asked.values()))
-    return Comparison(against, designs, tuple(_measure(found, own, asked[own], designs) for own in asked))
+    return Comparison(against, designs, tuple(_measure(results, own, asked[own], designs) for own in asked))
 
 
-def _measure(found: PaperResults, quantity: str, quantities: Mapping[str, str], designs: Sequence[str]) -> Measure:
-    rows, about = found.quantities, found.case.quantities[quantity]
-    better = found.case.paper.measures[quantity].partition(" ")[0]
+def _measure(results: PaperResults, quantity: str, quantities: Mapping[str, str], designs: Sequence[str]) -> Measure:
+    rows, about = results.quantities, results.case.quantities[quantity]
+    better = results.case.paper.measures[quantity].partition(" ")[0]
     own = rows.get(quantity)
-    meaning = _shared(about.meaning, [found.case.quantities[quantities[name]].meaning for name in quantities])
+    meaning = _shared(about.meaning, [results.case.quantities[quantities[name]].meaning for name in quantities])
     others = tuple(_other(own, rows.get(quantities.get(name, "")), better) for name in designs)
     return Measure(meaning, about.unit, better, number(own["value"], digits=4) if own else Markup(""), others)
 

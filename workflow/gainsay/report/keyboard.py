@@ -49,14 +49,14 @@ _COMPARED = re.compile(r" (?:<=|>=|[<>=]) ")
 _NAMED = re.compile(r"(?:\d|reconstruction|Appendix|Section|Theorem|Lemma|Table|Figure|group|case|pitch,|yaw,) $")
 
 
-def _is_symbol(found: re.Match[str], symbols: Collection[str]) -> bool:
+def _is_symbol(match: re.Match[str], symbols: Collection[str]) -> bool:
     """Whether a name is a symbol and no word: known, of several signs, a Greek letter, a capital, or compared."""
-    base = found["base"]
+    base = match["base"]
     if base in symbols and base != "a":
         return True
-    if len(base) > 1 or any(found[part] for part in ("index", "over", "prime", "exponent")):
+    if len(base) > 1 or any(match[part] for part in ("index", "over", "prime", "exponent")):
         return True
-    before, after = found.string[: found.start()], found.string[found.end() :]
+    before, after = match.string[: match.start()], match.string[match.end() :]
     if _COMPARED.match(after):
         return base != "I"
     if base == "A" and re.match(" [-+] [A-Z]", after):
@@ -69,41 +69,41 @@ def _is_symbol(found: re.Match[str], symbols: Collection[str]) -> bool:
     return capital and not _NAMED.search(before) and not (base == "N" and after.startswith((" m", " s")))
 
 
-def _tex(found: re.Match[str]) -> str:
-    base = found["base"]
+def _tex(match: re.Match[str]) -> str:
+    base = match["base"]
     symbol = base if len(base) == 1 else " ".join(base) if base.isupper() else f"\\{_NAMES.get(base, base)}"
-    if found["over"]:
-        symbol = rf"\{_OVER[found['over'].lstrip('-')]}{{{symbol}}}"
-    index = (found["index"] or "").lstrip("_")
+    if match["over"]:
+        symbol = rf"\{_OVER[match['over'].lstrip('-')]}{{{symbol}}}"
+    index = (match["index"] or "").lstrip("_")
     if index:
         symbol += (
             r"_\infty" if index == "∞" else rf"_{{\mathrm{{{index}}}}}" if index in ("max", "min") else f"_{{{index}}}"
         )
-    return f"{symbol}^{{{found['exponent']}}}" if found["exponent"] else symbol
+    return f"{symbol}^{{{match['exponent']}}}" if match["exponent"] else symbol
 
 
-def _shown(found: re.Match[str], symbols: Collection[str]) -> Markup:
-    if found["code"]:
-        return Markup("<code>{}</code>").format(found["code"][1:-1])
-    if found["matrix"]:
-        return _matrix(found["matrix"])
-    if found["minus"]:
+def _shown(match: re.Match[str], symbols: Collection[str]) -> Markup:
+    if match["code"]:
+        return Markup("<code>{}</code>").format(match["code"][1:-1])
+    if match["matrix"]:
+        return _matrix(match["matrix"])
+    if match["minus"]:
         return Markup("\N{MINUS SIGN}")
-    if found["relation"]:
-        return Markup(_RELATIONS[found["relation"]])
-    if found["first"]:
-        return _entry(found)
-    if found["unit"]:
-        power = found["power"].replace("-", "\N{MINUS SIGN}")
-        return Markup("{}<sup>{}</sup>").format(found["unit"], power)
-    if found["raised"]:
-        return Markup("<sup>{}</sup>").format(found["raised"].replace("-", "\N{MINUS SIGN}"))
-    if found["mark"]:
-        return Markup("\N{PRIME}" * len(found["mark"]))
-    if not _is_symbol(found, symbols):
-        return escape(found[0])
+    if match["relation"]:
+        return Markup(_RELATIONS[match["relation"]])
+    if match["first"]:
+        return _entry(match)
+    if match["unit"]:
+        power = match["power"].replace("-", "\N{MINUS SIGN}")
+        return Markup("{}<sup>{}</sup>").format(match["unit"], power)
+    if match["raised"]:
+        return Markup("<sup>{}</sup>").format(match["raised"].replace("-", "\N{MINUS SIGN}"))
+    if match["mark"]:
+        return Markup("\N{PRIME}" * len(match["mark"]))
+    if not _is_symbol(match, symbols):
+        return escape(match[0])
     # a prime of MathML stands too high in most fonts: it follows as text
-    return _mathematics(_tex(found), found[0]) + (found["prime"] or "").replace("'", "\N{PRIME}")
+    return _mathematics(_tex(match), match[0]) + (match["prime"] or "").replace("'", "\N{PRIME}")
 
 
 def _matrix(written: str) -> Markup:
@@ -136,12 +136,12 @@ def _block(written: str) -> Markup:
     return Markup("".join(inside))
 
 
-def _entry(found: re.Match[str]) -> Markup:
+def _entry(match: re.Match[str]) -> Markup:
     """Say which entry of a table or of a design is meant: ``printed('K')`` is K with the index printed."""
-    if found["table"] == "number":
-        return Markup("<i>{}</i>").format(found["first"].replace("_", " "))
-    of, symbol = ("printed", found["first"]) if found["table"] else (found["first"], found["second"] or "")
-    return _mathematics(rf"{symbol}_{{\text{{{of.replace('_', ' ')}}}}}", found[0])
+    if match["table"] == "number":
+        return Markup("<i>{}</i>").format(match["first"].replace("_", " "))
+    of, symbol = ("printed", match["first"]) if match["table"] else (match["first"], match["second"] or "")
+    return _mathematics(rf"{symbol}_{{\text{{{of.replace('_', ' ')}}}}}", match[0])
 
 
 def _mathematics(tex: str, written: str) -> Markup:
@@ -166,7 +166,7 @@ def typed(text: str, symbols: Collection[str] = ()) -> Markup:
     Markup('a &lt;b&gt; of <math><msub><mi>d</mi><mi>M</mi></msub></math> ≤ 1 s for reconstruction B')
     """
     pieces, last = [], 0
-    for found in _TOKEN.finditer(text):
-        pieces += [escape(text[last : found.start()]), _shown(found, symbols)]
-        last = found.end()
+    for match in _TOKEN.finditer(text):
+        pieces += [escape(text[last : match.start()]), _shown(match, symbols)]
+        last = match.end()
     return Markup("").join([*pieces, escape(text[last:])])

@@ -44,7 +44,7 @@ def _anchor(identifier: str) -> str:
 class PaperPage:
     """A paper as the templates see it."""
 
-    found: PaperResults
+    results: PaperResults
     verdicts: Verdicts
     published: PublishedView
     quantities: tuple[QuantityView, ...]
@@ -54,7 +54,7 @@ class PaperPage:
     @property
     def case(self) -> Any:
         """The paper's tables."""
-        return self.found.case
+        return self.results.case
 
     @property
     def finding(self) -> str:
@@ -64,24 +64,24 @@ class PaperPage:
     @property
     def record(self) -> str:
         """A sentence on what differs from the record."""
-        sentence = record_sentence([tuple(row.values()) for row in self.found.differences]).removeprefix("record: ")
+        sentence = record_sentence([tuple(row.values()) for row in self.results.differences]).removeprefix("record: ")
         return f"{sentence[:1].upper()}{sentence[1:]}."
 
     @property
     def accepted(self) -> int:
         """How many certificates the checker accepts."""
-        return sum(certificate.accepted for certificate in self.found.certificates.values())
+        return sum(certificate.accepted for certificate in self.results.certificates.values())
 
     @property
     def faith(self) -> list[str]:
         """Sentences on faith that all readable certificates share."""
-        readable = [c.faith for c in self.found.certificates.values() if c.faith]
+        readable = [c.faith for c in self.results.certificates.values() if c.faith]
         return [sentence for sentence in (readable[0] if readable else ()) if all(sentence in c for c in readable)]
 
     @cached_property
     def notation(self) -> list[tuple[Markup, Markup]]:
         """Symbols of the certificates' formulas with what they stand for, each pair once."""
-        pairs = dict.fromkeys(pair for c in self.found.certificates.values() for pair in c.definitions)
+        pairs = dict.fromkeys(pair for c in self.results.certificates.values() for pair in c.definitions)
         return [(name(symbol), formula(text)) for symbol, text in sorted(pairs)]
 
     @cached_property
@@ -97,30 +97,30 @@ class PaperPage:
     @cached_property
     def campaigns(self) -> tuple[CampaignView, ...]:
         """The campaigns that have been computed."""
-        return campaign_views(self.case, self.found.campaigns)
+        return campaign_views(self.case, self.results.campaigns)
 
     @cached_property
     def _places(self) -> dict[str, str]:
         """Where on the page each claim, quantity, certificate and assumed input stands, by its id."""
         named = {"input": self.case.assumed, "quantity": self.case.quantities,
-                 "certificate": self.found.certificates, "claim": self.case.claims}  # fmt: skip
+                 "certificate": self.results.certificates, "claim": self.case.claims}  # fmt: skip
         return {id: f"{self.case.name}-{sort}-{_anchor(id)}" for sort, ids in named.items() for id in ids}
 
     def linked(self, sentence: str) -> Markup:
         """Return a sentence with its mathematics typeset, in which each id leads to what it stands for."""
 
-        def shown(found: re.Match[str]) -> str:
-            place = self._places.get(found[0])
+        def shown(match: re.Match[str]) -> str:
+            place = self._places.get(match[0])
             if place is None:
-                return found[0]
-            return f'<a href="#{place}">{found[0].replace("_", " ") if found[0] in self.case.assumed else found[0]}</a>'
+                return match[0]
+            return f'<a href="#{place}">{match[0].replace("_", " ") if match[0] in self.case.assumed else match[0]}</a>'
 
         return Markup(_MARKED_OR_ID.sub(shown, str(said(sentence))))
 
     @property
     def provenance(self) -> Provenance:
         """Digests of what went in, versions of what computed."""
-        return provenance_of(self.found)
+        return provenance_of(self.results)
 
     def picture(self, figure: FigureFile) -> Markup:
         """Return a figure as a data URI for an attribute in double quotes, which it holds none of."""
@@ -130,11 +130,11 @@ class PaperPage:
 
     def decided_by(self, parameter: str) -> list[str]:
         """Claims whose scan turns at a parameter that the paper leaves out."""
-        return [c for c, scan in self.found.scans.items() if scan.boundary and scan.boundary.input == parameter]
+        return [c for c, scan in self.results.scans.items() if scan.boundary and scan.boundary.input == parameter]
 
     def scanned(self, parameter: str) -> bool:
         """Whether some claim was evaluated over the plausible values of a parameter."""
-        return any(parameter == entry.name for scan in self.found.scans.values() for entry in scan.inputs)
+        return any(parameter == entry.name for scan in self.results.scans.values() for entry in scan.inputs)
 
     def bears_on(self, certificate: str) -> list[str]:
         """Claims that rest on a certificate."""
@@ -143,18 +143,18 @@ class PaperPage:
     def witnesses(self, text: str) -> list[tuple[str, QuantityView | None, Any]]:
         """Split the witnesses of an erratum into quantities and certificates."""
         known = {view.id: view for view in self.quantities}
-        return [(name, known.get(name), self.found.certificates.get(name)) for name in text.split()]
+        return [(name, known.get(name), self.results.certificates.get(name)) for name in text.split()]
 
 
-def paper_page(found: PaperResults) -> PaperPage:
+def paper_page(results: PaperResults) -> PaperPage:
     """Work out everything that the templates show of a paper."""
     return PaperPage(
-        found=found,
-        verdicts=verdicts_of(found),
-        published=published_view(found),
-        quantities=tuple(quantity_view(found, quantity) for quantity in found.case.quantities),
-        comparisons=comparisons(found),
-        designs=design_views(found.case),
+        results=results,
+        verdicts=verdicts_of(results),
+        published=published_view(results),
+        quantities=tuple(quantity_view(results, quantity) for quantity in results.case.quantities),
+        comparisons=comparisons(results),
+        designs=design_views(results.case),
     )
 
 
@@ -214,15 +214,15 @@ def _environment() -> jinja2.Environment:
 
 def render_index(root: Path, papers: Sequence[PaperResults]) -> str:
     """Return the page over all papers, which stands in `results/`: what was found, a screen a paper."""
-    differences = [tuple(row.values()) for found in papers for row in found.differences]
-    pages = [paper_page(found) for found in papers]
+    differences = [tuple(row.values()) for results in papers for row in results.differences]
+    pages = [paper_page(results) for results in papers]
     return (
         _environment()
         .get_template("index.html.j2")
         .render(
             papers=pages,
             used=[verdict for verdict in ORDER if any(page.verdicts.counts.get(verdict) is not None for page in pages)],
-            outcomes=counts_of([row for found in papers for row in found.published]),
+            outcomes=counts_of([row for results in papers for row in results.published]),
             differences=differences,
             record=record_sentence(differences),
             provenance_of_all=provenance_over(root, papers),
@@ -231,15 +231,15 @@ def render_index(root: Path, papers: Sequence[PaperResults]) -> str:
     )
 
 
-def render_paper(found: PaperResults) -> str:
+def render_paper(results: PaperResults) -> str:
     """Return the page of one paper, which needs nothing beside itself."""
-    return _environment().get_template("paper.html.j2").render(p=paper_page(found))
+    return _environment().get_template("paper.html.j2").render(p=paper_page(results))
 
 
-def write_paper(found: PaperResults) -> Path:
+def write_paper(results: PaperResults) -> Path:
     """Write the page of a paper and return its path."""
-    path = found.case.results / "index.html"
-    write_atomically(path, render_paper(found))
+    path = results.case.results / "index.html"
+    write_atomically(path, render_paper(results))
     return path
 
 

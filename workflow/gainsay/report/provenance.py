@@ -57,8 +57,8 @@ def _digest(root: Path, files: Iterable[Path]) -> str:
     return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 
-def _tables(found: PaperResults) -> list[Path]:
-    folder = found.case.folder
+def _tables(results: PaperResults) -> list[Path]:
+    folder = results.case.folder
     return [path for kind in ("*.csv", "*.toml", "printed/*.csv", "designs/*.json") for path in folder.glob(kind)]
 
 
@@ -83,16 +83,16 @@ def _versions() -> list[tuple[str, str]]:
     return [("gainsay", __version__), *((library, _version(library)) for library in LIBRARIES)]
 
 
-def provenance_of(found: PaperResults) -> Provenance:
+def provenance_of(results: PaperResults) -> Provenance:
     """Return where the numbers of a paper's page come from."""
-    return _provenance(found.case.root, _tables(found), found.code, found.case.name)
+    return _provenance(results.case.root, _tables(results), results.code, results.case.name)
 
 
 def provenance_over(root: Path, papers: Iterable[PaperResults]) -> Provenance:
     """Return where the numbers of the page over all papers come from."""
     papers = list(papers)
-    tables = [path for found in papers for path in _tables(found)]
-    code = sorted({file for found in papers for file in found.code})
+    tables = [path for results in papers for path in _tables(results)]
+    code = sorted({file for results in papers for file in results.code})
     return _provenance(root, tables, code, "all papers")
 
 

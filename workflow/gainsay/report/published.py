@@ -73,7 +73,7 @@ class PublishedView:
     @property
     def total(self) -> int:
         """How many numbers the paper publishes."""
-        return sum(sum(found.values()) for found in self.counts.values())
+        return sum(sum(counts.values()) for counts in self.counts.values())
 
 
 def counts_of(rows: Sequence[Row]) -> dict[str, dict[str, int]]:
@@ -82,8 +82,8 @@ def counts_of(rows: Sequence[Row]) -> dict[str, dict[str, int]]:
     Outcomes that no number has are left out but for those that a reader looks for.
     """
     counted = {what: Counter(row["verdict"] for row in rows if row["what"] == what) for what in LINES}
-    some = [o for o in VERDICTS if o in ALWAYS or any(found[o] for found in counted.values())]
-    return {LINES[what]: {outcome: found[outcome] for outcome in some} for what, found in counted.items() if found}
+    some = [o for o in VERDICTS if o in ALWAYS or any(counts[o] for counts in counted.values())]
+    return {LINES[what]: {outcome: counts[outcome] for outcome in some} for what, counts in counted.items() if counts}
 
 
 def _difference(text: str) -> Markup:
@@ -132,8 +132,8 @@ def _gains(rows: Sequence[Row]) -> tuple[GainView, ...]:
     return tuple(views)
 
 
-def _about(found: PaperResults, row: Row) -> str:
-    claim = found.case.claims.get(row["claim"])
+def _about(results: PaperResults, row: Row) -> str:
+    claim = results.case.claims.get(row["claim"])
     if claim is not None:
         return claim.statement
     pole = _POLE.fullmatch(row["entry"])
@@ -142,23 +142,23 @@ def _about(found: PaperResults, row: Row) -> str:
     return row["entry"]
 
 
-def _published(found: PaperResults, row: Row) -> Markup:
-    claim = found.case.claims.get(row["claim"])
+def _published(results: PaperResults, row: Row) -> Markup:
+    claim = results.case.claims.get(row["claim"])
     low, dots, high = row["published"].partition("..")
     shown = Markup("{} to {}").format(typeset(low), typeset(high)) if dots else typeset(low)
     sign = {"at_most": "≤\u00a0", "at_least": "≥\u00a0"}.get(claim.comparator if claim else "", "")
     return with_unit(sign + shown, row["unit"])
 
 
-def published_view(found: PaperResults) -> PublishedView:
+def published_view(results: PaperResults) -> PublishedView:
     """Return the published numbers of a paper in the order of published.csv."""
-    rows = found.published
+    rows = results.published
     numbers = tuple(
         NumberView(
             sort=row["what"],
             claim=row["claim"],
-            about=_about(found, row),
-            published=_published(found, row),
+            about=_about(results, row),
+            published=_published(results, row),
             recomputed=with_unit(_recomputed(row), row["unit"]),
             difference=_difference(row["units_of_last_digit"]),
             verdict=row["verdict"],

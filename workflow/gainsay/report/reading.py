@@ -92,15 +92,15 @@ class PaperResults:
         return file if inside and os.path.isfile(self.case.results / file) else ""  # noqa: PTH113  # has an answer for every name
 
 
-def _table(found: PaperResults, name: str, lost: str, columns: Sequence[str] = ()) -> list[Row]:
-    path = found.case.results / f"{name}.csv"
+def _table(results: PaperResults, name: str, lost: str, columns: Sequence[str] = ()) -> list[Row]:
+    path = results.case.results / f"{name}.csv"
     if not os.path.lexists(path):
-        found.missing.append(f"{name}.csv is missing: {lost}")
+        results.missing.append(f"{name}.csv is missing: {lost}")
         return []
     try:
-        return [*read_returned(path, found.case.root, columns)]
+        return [*read_returned(path, results.case.root, columns)]
     except InputError as error:
-        found.missing.append(f"{name}.csv is damaged, {lost}: {error}")
+        results.missing.append(f"{name}.csv is damaged, {lost}: {error}")
         return []
 
 
@@ -119,30 +119,30 @@ def _drawn_from(head: str) -> tuple[str, ...] | None:
     )
 
 
-def _pictures(found: PaperResults) -> None:
-    paper = found.case.paper
+def _pictures(results: PaperResults) -> None:
+    paper = results.case.paper
     for name, caption in paper.figures.items():
-        file, head = found.existing(f"figures/{name}.svg"), ""
+        file, head = results.existing(f"figures/{name}.svg"), ""
         if file:
-            with (found.case.results / file).open(encoding="utf-8", errors="replace") as svg:
+            with (results.case.results / file).open(encoding="utf-8", errors="replace") as svg:
                 head = svg.read(4000)
-        found.figures.append(
-            FigureFile(name, caption, _drawn_from(head), file, found.existing(f"figures/{name}.png"), *_size(head))
+        results.figures.append(
+            FigureFile(name, caption, _drawn_from(head), file, results.existing(f"figures/{name}.png"), *_size(head))
         )
     for name, about in paper.runs.items():
-        log, view, layout = (found.existing(f"logs/{name}.{ending}") for ending in ("mcap", "rrd", "foxglove.json"))
-        shown_in = tuple(figure.name for figure in found.figures if name in (figure.runs or ()))
-        found.runs.append(RunFiles(name, about, log, view, layout, shown_in))
+        log, view, layout = (results.existing(f"logs/{name}.{ending}") for ending in ("mcap", "rrd", "foxglove.json"))
+        shown_in = tuple(figure.name for figure in results.figures if name in (figure.runs or ()))
+        results.runs.append(RunFiles(name, about, log, view, layout, shown_in))
 
 
-def _scans(found: PaperResults) -> None:
+def _scans(results: PaperResults) -> None:
     scans: dict[str, dict[str, Any]] = {}
-    for path in sorted((found.case.results / "scans").glob("*.json")):
+    for path in sorted((results.case.results / "scans").glob("*.json")):
         try:
-            scans |= read_scans([path], found.case.root)
+            scans |= read_scans([path], results.case.root)
         except InputError as error:
-            found.missing.append(f"scans/{path.name} is damaged: {error}")
-    found.scans = outcomes(found.case, scans)
+            results.missing.append(f"scans/{path.name} is damaged: {error}")
+    results.scans = outcomes(results.case, scans)
 
 
 def read_results(
@@ -165,16 +165,16 @@ def read_results(
     PaperResults
         Whatever can be read; a file that is damaged costs what it held and nothing else.
     """
-    found = PaperResults(case, code=tuple(code), campaigns=campaigns or {})
-    found.verdicts = {row["claim"]: row for row in _table(found, "verdicts", "no claim is judged yet")}
-    rows = _table(found, "quantities", "no number is computed yet")
-    found.quantities = {row["quantity"]: row for row in rows}
-    found.gains = _table(found, "gains", "the gains are not compared yet")
-    found.failures = _table(found, "failures", "whether a computation broke is not known")
-    rows = _table(found, "certificates", "no certificate is checked yet")
-    found.certificates = {row["certificate"]: read_certificate(case, row) for row in rows}
-    found.published = _table(found, "published", "published numbers are not compared yet", PUBLISHED_COLUMNS)
-    found.differences = _table(found, "differences", "nothing is held against the record yet", DIFFERENCE_COLUMNS)
-    _scans(found)
-    _pictures(found)
-    return found
+    results = PaperResults(case, code=tuple(code), campaigns=campaigns or {})
+    results.verdicts = {row["claim"]: row for row in _table(results, "verdicts", "no claim is judged yet")}
+    rows = _table(results, "quantities", "no number is computed yet")
+    results.quantities = {row["quantity"]: row for row in rows}
+    results.gains = _table(results, "gains", "the gains are not compared yet")
+    results.failures = _table(results, "failures", "whether a computation broke is not known")
+    rows = _table(results, "certificates", "no certificate is checked yet")
+    results.certificates = {row["certificate"]: read_certificate(case, row) for row in rows}
+    results.published = _table(results, "published", "published numbers are not compared yet", PUBLISHED_COLUMNS)
+    results.differences = _table(results, "differences", "nothing is held against the record yet", DIFFERENCE_COLUMNS)
+    _scans(results)
+    _pictures(results)
+    return results

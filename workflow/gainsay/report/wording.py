@@ -15,12 +15,12 @@ from gainsay.verdicts.outcome import Outcome
 
 __all__ = [
     "condition",
-    "found_value",
     "input_name",
     "input_value",
     "is_truth",
     "published_value",
     "reason",
+    "recomputed_value",
     "turning_point",
 ]
 
@@ -42,12 +42,12 @@ def _agrees(claim: Claim, recomputed: str) -> bool:
     return float(recomputed) == _TRUTHS[claim.comparator]
 
 
-def _joined(found: PaperResults, claim: Claim) -> list[str]:
+def _joined(results: PaperResults, claim: Claim) -> list[str]:
     parts = claim.quantity.split()
-    return [found.verdicts[part]["verdict"] if part in found.verdicts else "" for part in parts]
+    return [results.verdicts[part]["verdict"] if part in results.verdicts else "" for part in parts]
 
 
-def published_value(found: PaperResults, claim: Claim) -> Markup:
+def published_value(results: PaperResults, claim: Claim) -> Markup:
     """Return what the paper says: a number with its unit, ``feasible``, ``it holds``; empty where it gives none."""
     if claim.comparator == "feasible":
         return escape("feasible")
@@ -55,7 +55,7 @@ def published_value(found: PaperResults, claim: Claim) -> Markup:
         many = len(claim.quantity.split())
         return escape(_ALL_HOLD.get(many, f"all {many} hold"))
     if claim.comparator == "less_than":
-        other = found.quantities.get(claim.published)
+        other = results.quantities.get(claim.published)
         bound = number(other["value"], other["unit"], digits=4) if other else escape("the other")
         return Markup("less than {}").format(bound)
     if is_truth(claim):
@@ -68,11 +68,11 @@ def published_value(found: PaperResults, claim: Claim) -> Markup:
     return with_unit(sign + shown, claim.unit)
 
 
-def found_value(found: PaperResults, claim: Claim, row: Row) -> Markup:
+def recomputed_value(results: PaperResults, claim: Claim, row: Row) -> Markup:
     """Return what was found, in the words of what the paper says; empty where nothing was."""
     text = row["recomputed"]
     if claim.comparator == "all_of":
-        verdicts = _joined(found, claim)
+        verdicts = _joined(results, claim)
         held = verdicts.count("reproduced")
         if not row["verdict"]:
             return Markup("")
@@ -92,16 +92,16 @@ def found_value(found: PaperResults, claim: Claim, row: Row) -> Markup:
     return number(text, claim.unit, digits=digits_apart(text, ends), power=int(power[1]) if power else None)
 
 
-def condition(found: PaperResults, given: str) -> Markup:
+def condition(results: PaperResults, given: str) -> Markup:
     """Return the condition of a claim in words: ``horizon=300`` reads "horizon = 300 s", each name linked."""
     parts = []
     for part in given.split(";"):
         name, _, value = (text.strip() for text in part.partition("="))
-        parameter = found.case.parameters.get(name)
+        parameter = results.case.parameters.get(name)
         shown = typeset(value) if re.fullmatch(r"[-+.\d]+(e[-+]?\d+)?", value) else escape(value.replace("_", " "))
         printed = " as printed" if parameter and parameter.status == "printed" else ""
         value_shown = with_unit(shown, parameter.unit if parameter else "")
-        parts.append(Markup("{} = {}{}").format(input_name(found.case, name), value_shown, printed))
+        parts.append(Markup("{} = {}{}").format(input_name(results.case, name), value_shown, printed))
     return Markup(", ").join(parts)
 
 
@@ -174,12 +174,12 @@ def published_range(claim: Claim) -> Markup:
     return with_unit(Markup("{} to {}").format(typeset(low), typeset(high)), claim.unit)
 
 
-def reason(found: PaperResults, claim: Claim, row: Row, links: Sequence[Markup] = ()) -> Markup:
+def reason(results: PaperResults, claim: Claim, row: Row, links: Sequence[Markup] = ()) -> Markup:
     """Return one sentence that says why a claim is not simply reproduced; empty where there is nothing to add.
 
     Parameters
     ----------
-    found : PaperResults
+    results : PaperResults
     claim : Claim
     row : mapping
         Of verdicts.csv.
@@ -191,7 +191,7 @@ def reason(found: PaperResults, claim: Claim, row: Row, links: Sequence[Markup] 
         return Markup("")
     if links:
         return Markup("See {}.").format(listed(links))
-    scan = found.scans.get(claim.id)
+    scan = results.scans.get(claim.id)
     if scan and row["evidence"].startswith("sampled"):
         return _scanned(claim, scan)
     if verdict == "undetermined" and ".." in claim.published and row["range_low"] and row["range_high"]:
@@ -201,7 +201,7 @@ def reason(found: PaperResults, claim: Claim, row: Row, links: Sequence[Markup] 
     symbols = {
         letter
         for name in row["certificate"].split()
-        if name in found.certificates
-        for letter in found.certificates[name].symbols
+        if name in results.certificates
+        for letter in results.certificates[name].symbols
     }
     return said(row["witness"] or row["note"], symbols)

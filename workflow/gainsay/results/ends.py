@@ -49,13 +49,13 @@ def proved_numbers(certificate: Any) -> dict[str, ProvedNumber]:
             low, _, high = conclusion.value.partition("..")
             if high or conclusion.quantity not in levels:
                 levels[conclusion.quantity] = float((Fraction(low) + Fraction(high or low)) / 2)
-    found = {}
+    numbers = {}
     for quantity, pairs in ends.items():
         lower, upper = max(low for low, _ in pairs), min(high for _, high in pairs)
         if quantity not in levels:
-            found[quantity] = ProvedNumber(lower, None, None)
+            numbers[quantity] = ProvedNumber(lower, None, None)
             continue
         value = min(max(levels[quantity], lower), upper)
         finite = [end if math.isfinite(end) else None for end in (lower, upper)]
-        found[quantity] = ProvedNumber(value, *finite)
-    return found
+        numbers[quantity] = ProvedNumber(value, *finite)
+    return numbers

@@ -218,9 +218,9 @@ class Results:
 
     def measured(self, measures: Mapping[str, Any], source: str) -> None:
         """Add quantities measured from a log: id -> value, method, lower and upper."""
-        for quantity, found in measures.items():
+        for quantity, number in measures.items():
             self.quantity(
-                quantity, found.value, method=found.method, source=source, lower=found.lower, upper=found.upper
+                quantity, number.value, method=number.method, source=source, lower=number.lower, upper=number.upper
             )
 
     def certificate(self, certificate: Any) -> None:
@@ -340,13 +340,13 @@ class Results:
         self._attempts.append({"where": where, "content": list(outcome.attempts)})
         return outcome
 
-    def say(self, where: str, found: str) -> None:
+    def say(self, where: str, outcome: str) -> None:
         """Keep a line of the step's log: paper, step, place in the paper, what was found, seconds since the last."""
         now = time.perf_counter()
-        head = f"{self.case.name}  {self.step:<10}  {where}  {found}"
+        head = f"{self.case.name}  {self.step:<10}  {where}  {outcome}"
         line = f"{head:<100}  {now - self._clock:6.1f} s"
         self._lines.append(line)
-        if VERBOSE or found.startswith("FAILED"):
+        if VERBOSE or outcome.startswith("FAILED"):
             print(line, flush=True)
         self._clock, self._said = now, True
 
@@ -396,5 +396,5 @@ class Results:
         for folder in ("certificates", "scans", "logs", "figures"):
             counts.append((sum(file.startswith(f"{folder}/") for file in self._written), folder))
         counts.append((len(self._rows["failures"]), "FAILED"))
-        found = ", ".join(f"{count} {noun}" for count, noun in counts if count) or "nothing to do"
-        print(f"{self.case.name}  {self.step:<10}  {found}  {time.perf_counter() - self._begun:.1f} s", flush=True)
+        summary = ", ".join(f"{count} {noun}" for count, noun in counts if count) or "nothing to do"
+        print(f"{self.case.name}  {self.step:<10}  {summary}  {time.perf_counter() - self._begun:.1f} s", flush=True)

@@ -109,9 +109,9 @@ def new_project(root: Path, name: str) -> Path:
         If the folder holds more than ``.git``, ``.venv`` and ``wheels``, or the name is none for a paper.
     """
     checked_name(name)
-    found = sorted({path.name for path in root.glob("*")} - _BEFOREHAND)
-    if found:
-        raise InputError("new project", file=str(root), value=found[0], expected="an empty folder")
+    entries = sorted({path.name for path in root.glob("*")} - _BEFOREHAND)
+    if entries:
+        raise InputError("new project", file=str(root), value=entries[0], expected="an empty folder")
     root.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=root.parent, prefix=".new-") as place:
         made = Path(place, "project")

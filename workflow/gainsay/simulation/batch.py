@@ -60,12 +60,12 @@ class Segment:
 
     def of(self, flights: np.ndarray, times: np.ndarray) -> np.ndarray:
         """Return the states of chosen flights, each at a time of its own, shape (len(flights), n)."""
-        found = np.empty((len(flights), self.shape[1]))
+        states = np.empty((len(flights), self.shape[1]))
         steps = np.clip(np.searchsorted(self.steps, times) - 1, 0, len(self.steps) - 2)
         for step in np.unique(steps):
             at = steps == step
-            found[at] = self._within(self._solution.interpolants[step], flights[at], times[at])
-        return found
+            states[at] = self._within(self._solution.interpolants[step], flights[at], times[at])
+        return states
 
     def _within(self, step: Any, flights: np.ndarray, times: np.ndarray) -> np.ndarray:
         """The polynomial of one step (Hairer, II.6, as SciPy nests it) for the states of chosen flights alone."""
@@ -124,7 +124,7 @@ def segments(
     time, state, first = 0.0, starts.ravel(), None
     while time < end:
         stop = min(time + length, end)
-        found = scipy.integrate.solve_ivp(
+        solution = scipy.integrate.solve_ivp(
             guarded,
             (time, stop),
             state,
@@ -134,11 +134,13 @@ def segments(
             dense_output=True,
             first_step=None if first is None else min(first, stop - time),
         )
-        if found.status < 0 or not np.isfinite(found.y[:, -1]).all():
-            raise ComputationError("flights", f"the integration ended at t = {float(found.t[-1])!r} s: {found.message}")
-        yield Segment(found.t, shape, found.sol)
-        time, state = stop, found.y[:, -1]
-        first = float(np.diff(found.t)[-2]) if len(found.t) > 2 else None
+        if solution.status < 0 or not np.isfinite(solution.y[:, -1]).all():
+            raise ComputationError(
+                "flights", f"the integration ended at t = {float(solution.t[-1])!r} s: {solution.message}"
+            )
+        yield Segment(solution.t, shape, solution.sol)
+        time, state = stop, solution.y[:, -1]
+        first = float(np.diff(solution.t)[-2]) if len(solution.t) > 2 else None
 
 
 def polished_peak(

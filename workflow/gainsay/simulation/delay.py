@@ -108,7 +108,7 @@ class DelayLaw:
         count : int
             How many at most; those closer than 1e-9 s to the one before are left out (the delay vanishes there).
         """
-        found, before = [], start
+        points, before = [], start
         for _ in range(count):
             low, high = before, before + self.high
             for _ in range(200):
@@ -121,9 +121,9 @@ class DelayLaw:
                     high = middle
             if high - before < 1e-9:
                 break
-            found.append(high)
+            points.append(high)
             before = high
-        return found
+        return points
 
 
 def _first(outside: Callable[[float], bool], low: float, high: float) -> float:

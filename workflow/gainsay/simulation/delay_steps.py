@@ -175,8 +175,8 @@ class Steps:
         V, v = self.delayed
         values = (V @ seen[:, :, None])[:, :, 0] + v
         x = seen[:, (self.depth - 1) * width :][:, :n]
-        found = self.forced.copy()
+        slopes = self.forced.copy()
         for number, (S, D) in enumerate(zip(self.from_state, self.from_delayed, strict=True)):
             at = self.which == number
-            found[at] += x[at] @ S.T + values[at] @ D.T
-        return found.reshape(len(found), -1, n)
+            slopes[at] += x[at] @ S.T + values[at] @ D.T
+        return slopes.reshape(len(slopes), -1, n)

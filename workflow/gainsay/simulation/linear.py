@@ -119,22 +119,22 @@ class Response:
         values, slopes = self.states @ output, self.states @ slope_of
         sizes = size(values)
         best = int(sizes.argmax())
-        found = Peak(best * self.step, float(values[best]))
+        largest = Peak(best * self.step, float(values[best]))
         turns = np.flatnonzero(slopes[:-1] * slopes[1:] < 0)
         if not len(turns):
-            return found
+            return largest
         # A step cannot raise the output by more than its length times the larger slope at its ends.
         most = np.maximum(sizes[turns], sizes[turns + 1])
         most += self.step * np.maximum(np.abs(slopes[turns]), np.abs(slopes[turns + 1]))
         worth = np.flatnonzero(most > max(float(sizes[best]), above))
         rows = np.array([output, slope_of, slope_of @ self.A])
         for k in worth[np.argsort(-most[worth])]:
-            if most[k] <= abs(found.value):  # nor can those that follow
+            if most[k] <= abs(largest.value):  # nor can those that follow
                 break
             after, value = self._turn(rows, int(turns[k]))
-            if size(value) > size(found.value):
-                found = Peak(int(turns[k]) * self.step + after, value)
-        return found
+            if size(value) > size(largest.value):
+                largest = Peak(int(turns[k]) * self.step + after, value)
+        return largest
 
     def _turn(self, rows: np.ndarray, index: int) -> tuple[float, float]:
         """Time after a sample at which an output turns within the step, and its value there, by Newton's method.

@@ -138,7 +138,7 @@ def integrate(
     while time < end:
         guarded = Guarded(right_hand_side, np.size(start), end)
         try:
-            found = scipy.integrate.solve_ivp(
+            leg = scipy.integrate.solve_ivp(
                 guarded, (time, end), state, method, rtol=rtol, atol=atol, dense_output=True, events=kinks or None
             )
         except (ValueError, np.linalg.LinAlgError) as error:  # of matrices that hold an infinite derivative or slope
@@ -147,20 +147,20 @@ def integrate(
             what = f"{method} left double precision" if guarded.infinite is None else "the derivative is infinite"
             place = guarded.latest if guarded.infinite is None else guarded.infinite
             raise ComputationError("integration", f"{what} at t = {place!r} s") from error
-        if found.status < 0:
-            raise ComputationError("integration", f"{method} gave up at t = {float(found.t[-1])!r} s: {found.message}")
-        if not np.isfinite(found.y).all():
-            lost = float(found.t[~np.isfinite(found.y).all(axis=0)][0])
+        if leg.status < 0:
+            raise ComputationError("integration", f"{method} gave up at t = {float(leg.t[-1])!r} s: {leg.message}")
+        if not np.isfinite(leg.y).all():
+            lost = float(leg.t[~np.isfinite(leg.y).all(axis=0)][0])
             raise ComputationError("integration", f"the state is not finite at t = {lost!r} s")
-        solution, times, reached = found.sol, found.t, found.y[:, -1]
-        if found.status == 1 and times[-1] > times[-2]:
-            last = _up_to_kink(guarded, found, rtol, atol, method, kinks)
-            solution = _joined(found.sol, last.sol)
-            times, reached = np.append(found.t[:-1], last.t[1:]), last.y[:, -1]
+        solution, times, reached = leg.sol, leg.t, leg.y[:, -1]
+        if leg.status == 1 and times[-1] > times[-2]:
+            last = _up_to_kink(guarded, leg, rtol, atol, method, kinks)
+            solution = _joined(leg.sol, last.sol)
+            times, reached = np.append(leg.t[:-1], last.t[1:]), last.y[:, -1]
         pieces.append(solution)
         steps.append(times[1:])
         time, state = float(times[-1]), reached
-        if found.status == 1:
+        if leg.status == 1:
             # One tiny explicit step leaves the kink's zero behind; its error, about 1e-18 f', is below rounding.
             state = state + _NUDGE * guarded(time, state)
             time += _NUDGE
@@ -173,14 +173,14 @@ def integrate(
 
 
 def _up_to_kink(
-    right_hand_side: Function, found: Any, rtol: float, atol: float | np.ndarray, method: str, kinks: Sequence
+    right_hand_side: Function, leg: Any, rtol: float, atol: float | np.ndarray, method: str, kinks: Sequence
 ) -> Any:
     """Integrate the last step again up to the kink: the integrator looked beyond it, where another formula holds.
 
     The step ends where the function of the kink vanishes along the new solution, which is found by Newton's method.
     """
-    kink = kinks[next(i for i, times in enumerate(found.t_events) if len(times))]
-    begin, start, stop = float(found.t[-2]), found.y[:, -2], float(found.t[-1])
+    kink = kinks[next(i for i, times in enumerate(leg.t_events) if len(times))]
+    begin, start, stop = float(leg.t[-2]), leg.y[:, -2], float(leg.t[-1])
     for _ in range(_MOST_MOVES):
         last = scipy.integrate.solve_ivp(
             right_hand_side, (begin, stop), start, method, rtol=rtol, atol=atol, dense_output=True

@@ -185,14 +185,14 @@ class PeriodicSolution:
         floor = values[best] - 0.05 * abs(values[best])
         inner = (values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:]) & (values[1:-1] >= floor)
         for i in np.flatnonzero(inner) + 1:
-            found = scipy.optimize.minimize_scalar(
+            maximum = scipy.optimize.minimize_scalar(
                 lambda s: -float(function(s, self.state(s))),
                 bounds=(t[i - 1], t[i + 1]),
                 method="bounded",
                 options={"xatol": 1e-10},
             )
-            if -found.fun > top.value:
-                top = Extreme(float(found.x), float(-found.fun), self.state(float(found.x)))
+            if -maximum.fun > top.value:
+                top = Extreme(float(maximum.x), float(-maximum.fun), self.state(float(maximum.x)))
         return top
 
     def _values(self, function: Callable, keep: np.ndarray | slice = slice(None)) -> np.ndarray:

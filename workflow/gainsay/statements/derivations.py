@@ -133,7 +133,7 @@ def _plant(
     """Shapes of the definitions that a derivation treats as unknown matrices."""
     variables: dict[str, Variable] = {name: unknown.variable(name) for name, unknown in unknowns.items()}
     floats = Floats(case, definitions, variables)
-    found = {}
+    entries = {}
     for name in sorted(names):
         if name not in definitions:
             raise InputError(
@@ -145,5 +145,5 @@ def _plant(
             skew = value - value.T if rows == columns else None
             if skew is None or abs(skew.constant).max() > 0 or any(abs(c).max() > 0 for c in skew.terms.values()):
                 raise InputError("symmetric matrix", field="derivation", value=name, expected="its own transpose")
-        found[name] = Unknown(rows, columns, "symmetric" if name in symmetric else "full")
-    return found
+        entries[name] = Unknown(rows, columns, "symmetric" if name in symmetric else "full")
+    return entries

@@ -90,7 +90,7 @@ def _part(
     form: Matrix, corner: tuple[int, int], size: int, places: Mapping[str, tuple[int, int]]
 ) -> list[list[_Entry]] | None:
     """Linear part of a square part of a form, None where it holds other unknowns or powers."""
-    found: list[list[_Entry]] = []
+    rows: list[list[_Entry]] = []
     for i in range(corner[0], corner[0] + size):
         line = []
         for j in range(corner[1], corner[1] + size):
@@ -98,21 +98,21 @@ def _part(
             if entry is None:
                 return None
             line.append(entry)
-        found.append(line)
-    return found if any(any(line) for line in found) else None
+        rows.append(line)
+    return rows if any(any(line) for line in rows) else None
 
 
 def _linear(entry: Any, places: Mapping[str, tuple[int, int]]) -> _Entry | None:
     if not isinstance(entry, fmpq_mpoly):
         return {}
-    names, found = entry.context().names(), {}
+    names, coefficients = entry.context().names(), {}
     for exponents, coefficient in entry.to_dict().items():
         used = [(names[k], int(power)) for k, power in enumerate(exponents) if power]
         if used and (len(used) > 1 or used[0][1] > 1 or used[0][0] not in places):
             return None
         if used:
-            found[places[used[0][0]]] = fraction_of(coefficient)
-    return found
+            coefficients[places[used[0][0]]] = fraction_of(coefficient)
+    return coefficients
 
 
 def _is_unknown(part: list[list[_Entry]]) -> bool:
@@ -169,12 +169,12 @@ def _selected(rows: int, start: int, size: int) -> _Rows:
 def _stacked(rows: int, unit: Mapping[int, int], minus: Mapping[int, int], M: _Rows) -> _Rows:
     """A unit matrix in some rows and -M in others."""
     size = len(M)
-    found = [[Fraction(0)] * size for _ in range(rows)]
+    matrix = [[Fraction(0)] * size for _ in range(rows)]
     for row, k in unit.items():
-        found[row][k] = Fraction(1)
+        matrix[row][k] = Fraction(1)
     for row, k in minus.items():
-        found[row] = [-x for x in M[k]]
-    return found
+        matrix[row] = [-x for x in M[k]]
+    return matrix
 
 
 def _read_lyapunov(part: list[list[_Entry]], size: int) -> _Rows:
@@ -224,8 +224,8 @@ def _root(value: Fraction) -> Fraction | None:
     """Square root of the square of a rational."""
     if value < 0:
         return None
-    found = Fraction(isqrt(value.numerator), isqrt(value.denominator))
-    return found if found**2 == value else None
+    root = Fraction(isqrt(value.numerator), isqrt(value.denominator))
+    return root if root**2 == value else None
 
 
 def _of_wrong_inertia(A: _Rows, B: _Rows | None) -> Iterator[np.ndarray]:

@@ -234,7 +234,7 @@ class Statement:
         """
 
         def filled(text: str) -> str:
-            return re.sub(r"\{(\w+)\}", lambda found: str(values.get(found[1], found[0])), text)
+            return re.sub(r"\{(\w+)\}", lambda match: str(values.get(match[1], match[0])), text)
 
         filled_blocks = {place: filled(text) for place, text in self.blocks.items()}
         return replace(self, label=filled(label or self.label), blocks=filled_blocks)

@@ -123,8 +123,8 @@ def shared(root: Path) -> Iterator[str]:
 def _run(root: Path) -> tuple[str, dict[str, str]]:
     """Return when the run ended, and the versions of what computed it."""
     content = read_json(root / PROVENANCE, root)
-    found = content if isinstance(content, dict) else {}
-    finished, versions = found.get("finished"), found.get("versions")
+    entity = content if isinstance(content, dict) else {}
+    finished, versions = entity.get("finished"), entity.get("versions")
     if not isinstance(finished, str) or not re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00", finished):
         raise InputError(file=PROVENANCE, field="finished", value=finished, expected="a time; made by the step report")
     if not isinstance(versions, dict) or not versions:

@@ -16,10 +16,10 @@ COMPARED = {
 
 
 def _papers(folder: Path) -> set[str]:
-    found = {path.parent.name for path in folder.glob("*/quantities.csv")}
-    if not found:
+    names = {path.parent.name for path in folder.glob("*/quantities.csv")}
+    if not names:
         raise InputError("results", value=str(folder), expected="a folder with <paper>/quantities.csv")
-    return found
+    return names
 
 
 def _by_name(path: Path, column: str) -> dict[str, dict[str, str]]:
@@ -64,6 +64,6 @@ def between(one: Path, other: Path) -> Iterator[str]:
                     yield f"{paper}  {table} {name}: only in {one if name in rows[0] else other}"
                     continue
                 for column in columns:
-                    a, b = (found[name].get(column, "") for found in rows)
+                    a, b = (entries[name].get(column, "") for entries in rows)
                     if a != b:
                         yield f"{paper}  {table} {name}: {column} {a or 'nothing'} | {b or 'nothing'}{_apart(a, b)}"

@@ -101,14 +101,14 @@ def gathered_digests(case: Case) -> dict[str, str]:
 
     Working out a digest takes longer than reading a manifest: what is not gathered costs nothing.
     """
-    found = {}
+    digests = {}
     for name, row in case.campaigns.items():
         if os.path.lexists(manifest_path(case, name)):
             try:
-                found[name] = plan_digest(case, row)
+                digests[name] = plan_digest(case, row)
             except InputError:
-                found[name] = ""
-    return found
+                digests[name] = ""
+    return digests
 
 
 def outdated(case: Case) -> list[str]:

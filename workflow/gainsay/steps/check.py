@@ -45,7 +45,7 @@ def check(cases: Sequence[Case]) -> list[Difference]:
     InputError
         If nothing of a paper was computed. A results table that is missing or malformed is a difference of its paper.
     """
-    found: list[Difference] = []
+    differing_rows: list[Difference] = []
     for case in cases:
         own: dict[Difference, None] = {}
         for part in (file_differences, certificate_differences, differences):
@@ -58,5 +58,5 @@ def check(cases: Sequence[Case]) -> list[Difference]:
                     ) from None
                 file = str(error.file).removeprefix(f"results/{case.name}/")
                 own[case.name, "file", file, "as the step left it", "damaged", str(error)] = None
-        found += own
-    return found
+        differing_rows += own
+    return differing_rows

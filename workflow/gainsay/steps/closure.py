@@ -61,13 +61,13 @@ def _file(root: Path, module: str) -> Path | None:
 @cache
 def _imported(path: Path) -> frozenset[str]:
     """Return every module that a file may import, at its top or inside a function."""
-    found: set[str] = set()
+    names: set[str] = set()
     for node in _statements(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            found |= {name.name for name in node.names}
+            names |= {name.name for name in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
-            found |= {node.module, *(f"{node.module}.{name.name}" for name in node.names)}
-    return frozenset(found)
+            names |= {node.module, *(f"{node.module}.{name.name}" for name in node.names)}
+    return frozenset(names)
 
 
 def _statements(tree: ast.Module) -> Iterator[ast.AST]:
@@ -100,21 +100,21 @@ def closure(root: Path, modules: Iterable[str]) -> list[Path]:
     SyntaxError
         If a file cannot be parsed; the step itself then says so, hence callers may pass over it.
     """
-    found: dict[Path, None] = {}
+    files: dict[Path, None] = {}
     waiting = list(modules)
     while waiting:
         name = waiting.pop()
         parts = name.split(".")
         for package in (".".join(parts[:k]) for k in range(1, len(parts) + 1)):
             path = _file(root, package)
-            if path is None or path in found:
+            if path is None or path in files:
                 continue
-            found[path] = None
+            files[path] = None
             waiting += _imported(path)
             if package in BY_NAME:
                 inside = (p for p in path.parent.rglob("*.py"))
                 waiting += [_module(p) for p in inside]
-    return sorted(found)
+    return sorted(files)
 
 
 def _module(path: Path) -> str:
@@ -127,16 +127,16 @@ def sources(root: Path, step: str, paper: str | None = None) -> list[str]:
 
     A module of the paper that cannot be parsed stands for itself: the step that runs it says what is wrong.
     """
-    found: set[Path] = set(closure(root, [f"gainsay.steps.{step}"]))
+    files: set[Path] = set(closure(root, [f"gainsay.steps.{step}"]))
     if paper is None:
-        return sorted(short_path(path, root) for path in found)
+        return sorted(short_path(path, root) for path in files)
     for module in PAPER_MODULES[step]:
         name = f"papers.{paper}.{module}"
         try:
-            found |= set(closure(root, [name]))
+            files |= set(closure(root, [name]))
         except SyntaxError:
-            found |= set((root / "papers" / paper).glob("*.py"))
-    return sorted(short_path(path, root) for path in found)
+            files |= set((root / "papers" / paper).glob("*.py"))
+    return sorted(short_path(path, root) for path in files)
 
 
 def table_digest(root: Path, paper: str) -> str:

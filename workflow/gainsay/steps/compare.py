@@ -40,8 +40,8 @@ def compare(case: Case) -> None:
         write_csv(case.results / f"{name}.csv", columns, rows)
     listing = case.results / "parts" / "compare.files.csv"
     write_listing(listing, case.results, {f"{name}.csv": "" for name in tables})
-    published, found = (len(tables[name][1]) for name in ("published", "differences"))
-    print(f"{case.name}  compare     {published} published numbers, {found} differences from the record")
+    published, differing = (len(tables[name][1]) for name in ("published", "differences"))
+    print(f"{case.name}  compare     {published} published numbers, {differing} differences from the record")
 
 
 if __name__ == "__main__":

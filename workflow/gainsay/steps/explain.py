@@ -27,7 +27,7 @@ def _row_of(case: Case, table: str, name: str) -> str:
     return ""
 
 
-def _found(case: Case, table: str, column: str, name: str) -> dict[str, str]:
+def _record(case: Case, table: str, column: str, name: str) -> dict[str, str]:
     path = case.results / f"{table}.csv"
     rows = read_returned(path, case.root) if path.is_file() else []
     return next((row for row in rows if row[column] == name), {})
@@ -58,34 +58,34 @@ def _parts(case: Case, claim: Claim) -> Iterator[tuple[str, str]]:
             if place
         ),
     )
-    found = _found(case, "verdicts", "claim", claim.id)
-    if not found:
+    judgement = _record(case, "verdicts", "claim", claim.id)
+    if not judgement:
         yield "verdict", "none yet: run `snakemake --cores 2`"
         return
-    as_expected = "as on record" if found["verdict"] == claim.expected else f"on record: {claim.expected}"
-    yield "verdict", f"{found['verdict']} ({as_expected})"
-    others = found["of_sentence"] != found["verdict"]
-    yield "its sentence", f"{found['of_sentence']}, with its other claims" if others else ""
+    as_expected = "as on record" if judgement["verdict"] == claim.expected else f"on record: {claim.expected}"
+    yield "verdict", f"{judgement['verdict']} ({as_expected})"
+    others = judgement["of_sentence"] != judgement["verdict"]
+    yield "its sentence", f"{judgement['of_sentence']}, with its other claims" if others else ""
     yield "weight", claim.weight
     yield "the scan", f"to blame: {claim.ocr}" if claim.ocr else ""
-    yield "digits", f"read from the scan alone: {found['digits']}" if found.get("digits") else ""
-    yield "evidence", found["evidence"]
+    yield "digits", f"read from the scan alone: {judgement['digits']}" if judgement.get("digits") else ""
+    yield "evidence", judgement["evidence"]
     for quantity in claim.quantity.split():
-        row = _found(case, "quantities", "quantity", quantity)
+        row = _record(case, "quantities", "quantity", quantity)
         if row:
             yield "computed", f"{quantity} = {_number(row)}"
-    yield "witness", found["witness"]
-    yield "note", found["note"]
+    yield "witness", judgement["witness"]
+    yield "note", judgement["note"]
     yield "basis", claim.basis
-    for name in found["certificate"].split():
-        row = _found(case, "certificates", "certificate", name)
+    for name in judgement["certificate"].split():
+        row = _record(case, "certificates", "certificate", name)
         yield "certificate", f"{name}: {row.get('says', 'missing')}"
         yield "check it", f"gainsay prove results/{case.name}/certificates/{name}.json"
     for reply in case.replies_to(claim.id):
         who = f", says {reply.who}" if reply.who else ""
         yield "reply", f"disputed{who}: {reply.disputed}; on the ground: {reply.ground}; done: {reply.done}"
     for erratum in with_results(case).errata.values():
-        if set(erratum.witness.split()) & {*claim.quantity.split(), *found["certificate"].split()}:
+        if set(erratum.witness.split()) & {*claim.quantity.split(), *judgement["certificate"].split()}:
             yield "erratum", f"{erratum.id}: {erratum.printed} -> {erratum.corrected}"
 
 

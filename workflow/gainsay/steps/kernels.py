@@ -159,7 +159,7 @@ def run_machine(root: Path, machine: Machine, papers: Sequence[str]) -> tuple[li
     -------
     broken : list of str
         Steps that ended badly.
-    found : list of Difference
+    differing_rows : list of Difference
         Differences from the record, but for files, of which this run makes only a part.
     used : list of tuple
         Rows of `COLUMNS`.
@@ -170,13 +170,13 @@ def run_machine(root: Path, machine: Machine, papers: Sequence[str]) -> tuple[li
         _copy(root, place)
         with ThreadPoolExecutor(2) as pool:
             broken = [line for lines in pool.map(lambda p: _run_paper(place, p, environment), papers) for line in lines]
-        found: list[Difference] = []
+        differing_rows: list[Difference] = []
         used: list[tuple] = []
         for paper in () if broken else papers:
             case = read_case(place, paper)
-            found += [row for row in differences(case) if row[1] != "file"]
+            differing_rows += [row for row in differences(case) if row[1] != "file"]
             used += [(paper, name, class_, part, machine.name) for name, class_, part in shares(case)]
-    return broken, found, used
+    return broken, differing_rows, used
 
 
 def _report(used: list[tuple], most: int = 10) -> list[tuple]:
@@ -210,14 +210,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not set(machine.needs) <= flags:
             print(f"kernels     {machine.name}: not checked, this processor lacks {', '.join(machine.needs)}")
             continue
-        broken, found, used = run_machine(root, machine, papers)
-        print(f"kernels     {machine.name}: {len(found)} differences in {len(papers)} papers", flush=True)
+        broken, differing_rows, used = run_machine(root, machine, papers)
+        print(f"kernels     {machine.name}: {len(differing_rows)} differences in {len(papers)} papers", flush=True)
         for line in broken:
             print(f"  {line}")
-        for paper, what, item, expected, value, note in found:
+        for paper, what, item, expected, value, note in differing_rows:
             print(f"  {paper}  {what} {item}: expected {expected or 'nothing'}, found {value or 'nothing'}; {note}")
         all_used += used
-        bad |= bool(broken or found)
+        bad |= bool(broken or differing_rows)
     too_large = _report(all_used)
     rows = sorted(all_used, key=lambda row: -row[3])
     write_csv(root / "results" / "kernels.csv", COLUMNS, [(*row[:3], float(row[3]), row[4]) for row in rows])

@@ -45,10 +45,10 @@ def _escaped(text: str, extra: str = "") -> str:
     return "".join(pairs.get(c, c) for c in text)
 
 
-def annotations(cases: Sequence[Case], found: Iterable[Difference]) -> Iterator[str]:
+def annotations(cases: Sequence[Case], rows: Iterable[Difference]) -> Iterator[str]:
     """Yield a workflow command of GitHub Actions for each difference, with file and line."""
     known = {case.name: case for case in cases}
-    for difference in found:
+    for difference in rows:
         case = known.get(difference[0])
         file, line = _place(case, difference[1], difference[2]) if case else ("Snakefile", 1)
         title = _escaped(f"{difference[0]} {difference[1]} {difference[2]}", ",:")
@@ -63,9 +63,9 @@ def _clean(text: str) -> str:
     )
 
 
-def write_junit(path: Path, cases: Sequence[Case], found: Iterable[Difference]) -> None:
+def write_junit(path: Path, cases: Sequence[Case], rows: Iterable[Difference]) -> None:
     """Write JUnit XML: a suite a paper, a test a claim; what differs otherwise is a test of its own that failed."""
-    differing = list(found)
+    differing = list(rows)
     top = ElementTree.Element("testsuites", name="gainsay")
     names = list(dict.fromkeys([*(case.name for case in cases), *(row[0] for row in differing)]))
     claims = {case.name: list(case.claims) for case in cases}

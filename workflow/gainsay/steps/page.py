@@ -19,10 +19,10 @@ def results_of(case: Case) -> PaperResults:
 
 def page(case: Case) -> None:
     """Write index.html of a paper."""
-    found = results_of(case)
-    write_paper(found)
+    results = results_of(case)
+    write_paper(results)
     write_listing(case.results / "parts" / "page.files.csv", case.results, {"index.html": ""})
-    for lost in found.missing:
+    for lost in results.missing:
         print(f"{case.name}  page        {lost}")
 
 

@@ -127,13 +127,13 @@ def _formulas() -> str:
 
 def _conclusions(module: ModuleType) -> list[str]:
     """Return what a kind of proof may conclude, read from its calls of `Proved`."""
-    found: dict[str, None] = {}
+    sentences: dict[str, None] = {}
     for node in ast.walk(ast.parse(inspect.getsource(module))):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Proved":
             of, relation, *value = (ast.unparse(part) for part in node.args)
             words = re.sub(r"['\"]", "", f"{of} {relation}")
-            found[words + (" a value" if value else "")] = None
-    return list(found)
+            sentences[words + (" a value" if value else "")] = None
+    return list(sentences)
 
 
 def _proofs() -> str:

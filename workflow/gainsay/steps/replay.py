@@ -95,9 +95,9 @@ def measured(case: Case, run: RunSpec, log: Log) -> Mapping[str, Measured]:
 def quantity_differences(case: Case, run: RunSpec, log: Log) -> Iterator[str]:
     """Measure a run from its log and yield a line for every quantity that is not on file to the last bit."""
     on_file = {row["quantity"]: row for row in read_returned(case.results / "quantities.csv", case.root)}
-    for quantity, found in measured(case, run, log).items():
+    for quantity, number in measured(case, run, log).items():
         row = on_file.get(quantity)
-        for column, value in (("value", found.value), ("lower", found.lower), ("upper", found.upper)):
+        for column, value in (("value", number.value), ("lower", number.lower), ("upper", number.upper)):
             text = "nothing" if row is None else row[column]
             if text != cell(value):
                 yield f"{quantity}: {column} {cell(value)} from the log, {text} on file"
@@ -154,11 +154,11 @@ def replay(root: Path, path: Path, *, figures: bool = True) -> tuple[str, list[s
         raise LogError(file=str(path), field="paper", value=paper, expected=f"one of {', '.join(paper_names(root))}")
     case = read_case(root, paper)
     run = spec_of(case, log, path)
-    found = [
+    faults = [
         *origin_differences(case, run, log),
         *sample_differences(case, run, log),
         *quantity_differences(case, run, log),
     ]
     if figures:
-        found += figure_differences(case, run, log)
-    return f"{paper}/{run.name}", found
+        faults += figure_differences(case, run, log)
+    return f"{paper}/{run.name}", faults

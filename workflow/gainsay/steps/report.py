@@ -52,7 +52,7 @@ def joined(cases: Sequence[Case]) -> dict[str, Table]:
 
 def write_report(root: Path, papers: Sequence[PaperResults]) -> None:
     """Write the joined tables, results/index.html and README.md with the contract version, and the list of them."""
-    for table, (columns, rows) in joined([found.case for found in papers]).items():
+    for table, (columns, rows) in joined([results.case for results in papers]).items():
         write_csv(root / "results" / f"{table}.csv", columns, rows)
     write_index(root, papers)
     write_provenance(root)  # not in the list of files: it is never the same twice
@@ -78,10 +78,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return refuse(error)
     except OSError as error:
         return broken_off(error)
-    for found in papers:
-        for lost in found.missing:
-            print(f"{found.case.name}  report      {lost}")
-    claims = sum(len(found.verdicts) for found in papers)
+    for results in papers:
+        for lost in results.missing:
+            print(f"{results.case.name}  report      {lost}")
+    claims = sum(len(results.verdicts) for results in papers)
     print(f"report      {claims} verdicts of {len(papers)} paper{'s'[: len(papers) > 1]}, see results/index.html")
     return CLEAN
 

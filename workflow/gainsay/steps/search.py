@@ -25,9 +25,9 @@ def searches_of(case: Case) -> dict[str, Search]:
     return dict(paper_module(case, "searches").SEARCHES)
 
 
-def _line(case: Case, name: str, found: FoundDesign, seconds: float) -> str:
-    ended = "converged" if found.converged else "DID NOT CONVERGE"
-    outcome = ", ".join(f"{key} {value:.6g}" for key, value in found.outcome.items())
+def _line(case: Case, name: str, design: FoundDesign, seconds: float) -> str:
+    ended = "converged" if design.converged else "DID NOT CONVERGE"
+    outcome = ", ".join(f"{key} {value:.6g}" for key, value in design.outcome.items())
     return f"{case.name}  search      {name}: {ended}; {outcome}  {seconds:.1f} s"
 
 
@@ -54,7 +54,7 @@ def search(case: Case, design: str | None = None) -> None:
                 "design", file=f"papers/{case.name}/paper.toml", value=name, expected="a name of [designs]"
             )
         start = time.perf_counter()
-        found = searches[name](case)
-        write_design(case.folder, name, found)
-        print(_line(case, name, found, time.perf_counter() - start), flush=True)
+        result = searches[name](case)
+        write_design(case.folder, name, result)
+        print(_line(case, name, result, time.perf_counter() - start), flush=True)
         case = read_case(case.root, case.name)  # a later search may build on this design

@@ -61,17 +61,17 @@ def _entities(folder: Path, crate: Path) -> Mapping[str, Mapping[str, Any]]:
         raise InputError(f"no {METADATA}", file=str(crate), expected=OURS)
     content = read_json(folder / METADATA, folder)
     try:
-        found = {entity["@id"]: entity for entity in content["@graph"]}  # type: ignore[index]
-        conforms = {one["@id"] for one in found["./"]["conformsTo"]}
-        contract = found[RESULTS_PROFILE]["version"]
-        named = all(isinstance(name, str) and isinstance(entity, dict) for name, entity in found.items())
+        entities = {entity["@id"]: entity for entity in content["@graph"]}  # type: ignore[index]
+        conforms = {one["@id"] for one in entities["./"]["conformsTo"]}
+        contract = entities[RESULTS_PROFILE]["version"]
+        named = all(isinstance(name, str) and isinstance(entity, dict) for name, entity in entities.items())
         if RESULTS_PROFILE not in conforms or not named:
             raise KeyError(RESULTS_PROFILE)
     except (KeyError, TypeError, AttributeError):
         raise InputError("a foreign crate", file=str(crate), expected=OURS) from None
     if contract != CONTRACT:
         raise InputError("contract of the results", file=str(crate), value=contract, expected=f"version {CONTRACT}")
-    return found
+    return entities
 
 
 def _is_file(entity: Mapping[str, Any]) -> bool:
@@ -161,8 +161,8 @@ def verify(crate: Path) -> tuple[list[str], list[str]]:
             raise InputError("no paper", file=str(crate), expected=OURS)
         checked = [f"{sum(map(_is_file, entities.values()))} files as described, contract {CONTRACT}"]
         for case in cases:
-            found, summary = _paper(case)
-            wrong += found
+            faults, summary = _paper(case)
+            wrong += faults
             checked += [summary] * bool(summary)
         if (folder / "results" / "report.files.csv").is_file():
             wrong += [f"all papers: {file}: {how}" for _, _, file, _, how, _ in shared_differences(folder)]

@@ -248,8 +248,8 @@ class QuasiPolynomial:
         if even(fmpq(0)) == 0 and self.undelayed()(fmpq(0)) == 0:
             raise ComputationError("delay margin", "a root at s = 0 for every delay")
         with _precision():
-            found = [_crossing(p, q, x) for x in _positive_roots(even)]
-        return tuple(sorted(found, key=lambda c: float(c.delay.mid())))
+            crossings = [_crossing(p, q, x) for x in _positive_roots(even)]
+        return tuple(sorted(crossings, key=lambda c: float(c.delay.mid())))
 
     def margin(self) -> DelayMargin:
         """First loss of stability as the delay grows from zero, with proved bounds.

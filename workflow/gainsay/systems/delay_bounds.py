@@ -90,15 +90,15 @@ def bessel_legendre(A: np.ndarray, Bd: np.ndarray, Cd: np.ndarray, delay: ArrayL
     slope = A @ x + sum(line.Bd @ line.late for line in lines)
     moments = [line.moments(x, degree) for line in lines]
     state = np.vstack([x, *(line.delay * line.integrals for line in lines)])
-    rate = np.vstack([slope, *(moment for found in moments for moment in found[:degree])])
+    rate = np.vstack([slope, *(moment for line_moments in moments for moment in line_moments[:degree])])
     P = symmetric("P", len(state))
     derivative, masses, weights = sym(state.T @ P @ rate), [affine(np.zeros(A.shape))], []
-    for k, (line, found) in enumerate(zip(lines, moments, strict=True), 1):
+    for k, (line, line_moments) in enumerate(zip(lines, moments, strict=True), 1):
         h, v, size = line.delay, line.Cd @ x, len(line.Cd)
         S, R = (symmetric(f"{name}{k if len(lines) > 1 else ''}", size) for name in "SR")
         channel = line.Cd @ slope  # v'
         derivative = derivative + h**2 * (channel.T @ R @ channel) + v.T @ S @ v - line.late.T @ S @ line.late
-        for j, moment in enumerate(found):
+        for j, moment in enumerate(line_moments):
             derivative = derivative - (2 * j + 1) * (moment.T @ R @ moment)
         masses += [((2 * j + 1) / h) * S for j in range(degree)]
         weights += [S, R]
@@ -156,10 +156,10 @@ def level(condition: DelayCondition) -> Infimum:
     held: list = [
         Definite(f"block {i}", block - t * np.eye(block.shape[0])) for i, block in enumerate(condition.blocks)
     ]
-    found = infimum(Program(minimise=-t, subject_to=[*held, equal(total, 1.0, "traces")], label="delay condition"))
-    if not isinstance(found, Infimum):
-        raise ComputationError("delay condition", f"{type(found).__name__.lower()}", found.attempts)
-    return found
+    optimum = infimum(Program(minimise=-t, subject_to=[*held, equal(total, 1.0, "traces")], label="delay condition"))
+    if not isinstance(optimum, Infimum):
+        raise ComputationError("delay condition", f"{type(optimum).__name__.lower()}", optimum.attempts)
+    return optimum
 
 
 def proved_delay(

@@ -117,10 +117,10 @@ def rightmost_roots(system: DelaySystem, delay: ArrayLike, count: int = 6) -> np
         return unit * mirrored(upper_half(np.array(values)), count)
     pencil, longest, attempts, best = characteristic(system, delay), float(delay.max()), [], np.array([])
     for nodes in _NODES:
-        found, doubtful = candidate_roots(system, delay, nodes, count)
+        roots, doubtful = candidate_roots(system, delay, nodes, count)
         for wanted in dict.fromkeys((count, 1)):
             try:
-                proved = complete_roots(pencil, longest, found, doubtful, wanted)
+                proved = complete_roots(pencil, longest, roots, doubtful, wanted)
                 error = "roots missing"
             except ComputationError as broken:
                 proved, error = None, str(broken)
@@ -230,11 +230,11 @@ def hinf_norm(system: DelaySystem, delay: ArrayLike, nodes: int = 24) -> Peak:
         level = best.value * (1 + 1e-9)
         edges = _level_set(A, B, C, system.D, level)
         pieces = [_local_peak(system, delay, a, b) for a, b in pairwise(edges)]
-        found = max(pieces, key=lambda p: p.value, default=best)
-        if found.value > level:
-            best = found
+        largest = max(pieces, key=lambda p: p.value, default=best)
+        if largest.value > level:
+            best = largest
             continue
-        best = max(best, found, key=lambda p: p.value)
+        best = max(best, largest, key=lambda p: p.value)
         better = _proved_or_better(system, delay, best)
         if np.isfinite(better.upper):
             return better

@@ -140,15 +140,15 @@ def box_left_of(
         stated = Stated(
             case, [decay, "P > 0"], None, {"P": symmetric(size)}, dict(definitions), label="vertices", margin=_ROOM
         )
-        found = stated.solve()
-        if isinstance(found, Solved):
+        outcome = stated.solve()
+        if isinstance(outcome, Solved):
             break
     return build.certificate(
         "lyapunov",
         tables=case,
         definitions=definitions,
         fields={"matrix": list(vertices), "alpha": alpha},
-        witness={"P": found.need(f"one Lyapunov matrix for {len(vertices)} vertices")["P"]},
+        witness={"P": outcome.need(f"one Lyapunov matrix for {len(vertices)} vertices")["P"]},
         **parts,
     )
 

@@ -214,10 +214,10 @@ def _best_scaling(M: np.ndarray, sizes: list[int]) -> np.ndarray:
     best = log[1:] - log[0]
     if count > 1:
         for _ in range(3):  # convex but not smooth: restarted simplices
-            found = minimize(
+            minimum = minimize(
                 value, best, method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-14, "maxiter": 4000}
             )
-            best = found.x if found.fun < value(best) else best
+            best = minimum.x if minimum.fun < value(best) else best
     return np.exp(np.clip(np.append(0.0, best), -_WIDEST, _WIDEST))
 
 

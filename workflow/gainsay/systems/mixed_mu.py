@@ -143,10 +143,10 @@ def mixed_bounds(M: ArrayLike, blocks: Sequence[Block], *, tolerance: float = 1e
         lower, perturbation = _Search(scaled, blocks).smallest(enough)
         level, D, G = _least_level(scaled, blocks, lower, tolerance)
         upper, both = float(np.nextafter(unit * level, np.inf)), np.outer(T, T)
-        found = MixedBounds(unit * lower, upper, perturbation / unit, both * D, unit * both * G)
-    if np.isinf(found.perturbation).any() or not _proved(matrix, found.upper, found.D, found.G):
+        bounds = MixedBounds(unit * lower, upper, perturbation / unit, both * D, unit * both * G)
+    if np.isinf(bounds.perturbation).any() or not _proved(matrix, bounds.upper, bounds.D, bounds.G):
         raise ComputationError("structured singular value", f"no proof of the upper end {upper!r} in double precision")
-    return found
+    return bounds
 
 
 def _checked(M: ArrayLike, blocks: Sequence[Block]) -> np.ndarray:
@@ -198,9 +198,9 @@ def _least_level(
     low = max(lower, _SMALLEST * high)
     level = low * (1 + 0.9 * tolerance)  # often the two ends meet
     while best[0] > low * (1 + tolerance):
-        found = _scalings(M, blocks, level)
-        if found is not None and _proved(M, level, *found):
-            best = (level, *found)
+        scalings = _scalings(M, blocks, level)
+        if scalings is not None and _proved(M, level, *scalings):
+            best = (level, *scalings)
         else:
             low = level
         level = float(np.sqrt(low * best[0]))
@@ -223,10 +223,10 @@ def _scalings(M: np.ndarray, blocks: Sequence[Block], level: float) -> tuple[np.
     # Homogeneous in D and G: of size one in D, as far inside as can be.
     margin, unit = scalar("margin"), np.eye(2 * len(M))
     held = [form - margin * unit >= 0, D - margin * unit >= 0, equal(trace(D), float(len(M)), "size")]
-    found = solve(Program(minimise=-margin, subject_to=held, label="scalings of a structured singular value"))
-    if not isinstance(found, Solved):
+    outcome = solve(Program(minimise=-margin, subject_to=held, label="scalings of a structured singular value"))
+    if not isinstance(outcome, Solved):
         return None
-    return _complex(D.value(found.values)), _complex(G.value(found.values))
+    return _complex(D.value(outcome.values)), _complex(G.value(outcome.values))
 
 
 def _real(M: np.ndarray) -> np.ndarray:

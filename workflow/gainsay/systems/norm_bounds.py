@@ -51,10 +51,10 @@ def ball_matrix(exact: np.ndarray | fmpq_mat) -> acb_mat:
 
 def below(value: arb) -> float:
     """The largest convenient float not above a ball; the number itself where the ball is one."""
-    found = float(value.mid())
-    while not arb(found) <= value:
-        found = float(np.nextafter(min(found, float(value.lower())), -np.inf))
-    return found
+    end = float(value.mid())
+    while not arb(end) <= value:
+        end = float(np.nextafter(min(end, float(value.lower())), -np.inf))
+    return end
 
 
 def above(value: arb) -> float:
@@ -123,15 +123,15 @@ def level_frequencies(A: fmpq_mat, B: fmpq_mat, C: fmpq_mat, D: fmpq_mat, level:
     coefficients = fmpq_mat(rows).charpoly().coeffs()
     squares = fmpq_poly(coefficients[::2])  # the eigenvalues come in pairs s, -s; here s^2
     with ctx.workprec(ROOT_BITS):
-        found = []
+        frequencies = []
         for root, _ in roots(squares):
             if root.imag.is_zero() and not root.real > 0:
-                found.append((-root.real).max(arb(0)).sqrt().mid())
+                frequencies.append((-root.real).max(arb(0)).sqrt().mid())
             elif not root.imag.is_zero() and root.imag.contains(0):
                 raise ComputationError(
                     "H-infinity norm", "a level that touches the gain cannot be told from a crossing"
                 )
-        return sorted(found, key=float)
+        return sorted(frequencies, key=float)
 
 
 def identity(size: int) -> fmpq_mat:

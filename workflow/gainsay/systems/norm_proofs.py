@@ -70,8 +70,8 @@ def prove_norm(
         quantities={"norm": quantity},
     )
     matrices = values(case, system.values(), definitions)
-    found = hinf_norm(*matrices)[0] if norm == "hinf" else h2_norm(*matrices)
-    results.prove(certificate, source=source, values={quantity: found})
+    norm_value = hinf_norm(*matrices)[0] if norm == "hinf" else h2_norm(*matrices)
+    results.prove(certificate, source=source, values={quantity: norm_value})
 
 
 def _h2_below(

@@ -88,13 +88,13 @@ def _inverses(values: np.ndarray) -> np.ndarray:
     try:
         return np.linalg.inv(values)
     except np.linalg.LinAlgError:
-        found = np.full_like(values, np.nan)
+        inverses = np.full_like(values, np.nan)
         for k, value in enumerate(values):
             try:
-                found[k] = np.linalg.inv(value)
+                inverses[k] = np.linalg.inv(value)
             except np.linalg.LinAlgError:
                 continue
-        return found
+        return inverses
 
 
 class NearRoot(ComputationError):

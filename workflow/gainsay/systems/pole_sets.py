@@ -91,13 +91,13 @@ def _clusters(poles: np.ndarray, radii: np.ndarray) -> list[PoleCluster]:
     for _ in range(len(poles)):  # transitive closure
         meet = meet @ meet
     groups = {tuple(np.flatnonzero(row)) for row in meet}
-    found = []
+    clusters = []
     for group in groups:
         members = poles[list(group)]
         centre = complex(members.mean())
         radius = float((np.abs(members - centre) + radii[list(group)]).max())
-        found.append(PoleCluster(centre, radius, len(group)))
-    return sorted(found, key=lambda cluster: (cluster.centre.real, cluster.centre.imag))
+        clusters.append(PoleCluster(centre, radius, len(group)))
+    return sorted(clusters, key=lambda cluster: (cluster.centre.real, cluster.centre.imag))
 
 
 def match_poles(published: Sequence[complex], clusters: Sequence[PoleCluster]) -> list[PoleCluster]:

@@ -119,8 +119,8 @@ class HalfPlane:
         A = _stack(A)
         listed = A.reshape(-1, *A.shape[-2:])
         blocks = [listed[k : k + _BLOCK] for k in range(0, len(listed), _BLOCK)]  # each fits into a processor's cache
-        found = [_left_of_axis(block - self.abscissa * np.eye(A.shape[-1])) for block in blocks]
-        return np.concatenate([*found, np.zeros(0, dtype=bool)]).reshape(A.shape[:-2])
+        answers = [_left_of_axis(block - self.abscissa * np.eye(A.shape[-1])) for block in blocks]
+        return np.concatenate([*answers, np.zeros(0, dtype=bool)]).reshape(A.shape[:-2])
 
     def _holds(self, A: np.ndarray) -> bool:
         poles, off = rounded_eigenvalues(A)

@@ -68,14 +68,14 @@ def candidate_roots(system: DelaySystem, delay: np.ndarray, nodes: int, count: i
 
 
 def complete_roots(
-    pencil: DelayPencil, delay: float, found: np.ndarray, doubtful: np.ndarray, count: int
+    pencil: DelayPencil, delay: float, roots: np.ndarray, doubtful: np.ndarray, count: int
 ) -> np.ndarray | None:
     """Rightmost roots, multiple ones repeated, if the argument principle says that they are all; else None."""
-    line = _line(np.concatenate([found, doubtful]), delay, count)
+    line = _line(np.concatenate([roots, doubtful]), delay, count)
     if line is None:
         return None
     number = roots_right_of(pencil, line)
-    right = found[found.real > line]
+    right = roots[roots.real > line]
     if not number:  # the line lies too far to the right
         return None
     if pairs_counted(right) == number:

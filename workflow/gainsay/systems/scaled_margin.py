@@ -76,8 +76,8 @@ def scaled_delay_margin(system: DelaySystem, delay: ArrayLike, largest: float, *
     --------
     x' = -x(t - f) - x(t - 2 f): s = j w with w f = pi/3 needs w = sin(pi/3) + sin(2 pi/3).
 
-    >>> found = scaled_delay_margin(DelaySystem([[0]], [[-1, -1]], [[1], [1]]), [1, 2], 10)
-    >>> round(found.lower, 5), round(np.pi / 3 / np.sqrt(3), 5)
+    >>> margin = scaled_delay_margin(DelaySystem([[0]], [[-1, -1]], [[1], [1]]), [1, 2], 10)
+    >>> round(margin.lower, 5), round(np.pi / 3 / np.sqrt(3), 5)
     (0.6046, 0.6046)
     """
     delays = system.delays(delay)
@@ -107,7 +107,7 @@ def _crossings(system: DelaySystem, delays: np.ndarray, last: float) -> list[tup
     if count > _MOST:
         raise ComputationError("delay margin", f"a sweep of {count} places, at most {_MOST}: {last:.3g} is too large")
     places = np.linspace(0, last * radius, count)
-    found = []
+    crossings = []
     right = np.concatenate([_right(terms, part) for part in np.array_split(places, count // _BATCH + 1)])
     for k in np.flatnonzero(np.diff(right)):
         low, high = places[k], places[k + 1]
@@ -116,8 +116,8 @@ def _crossings(system: DelaySystem, delays: np.ndarray, last: float) -> list[tup
         roots = np.linalg.eigvals(_matrices(terms, np.array([low]))[0])
         frequency = float(roots[np.abs(roots.real).argmin()].imag)
         if frequency > 0:
-            found.append((float(low / frequency), frequency))
-    return found
+            crossings.append((float(low / frequency), frequency))
+    return crossings
 
 
 def _matrices(terms: tuple[tuple[np.ndarray, float], ...], places: np.ndarray) -> np.ndarray:

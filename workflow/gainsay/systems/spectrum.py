@@ -30,8 +30,8 @@ def rational(matrix: ArrayLike) -> fmpq_mat:
 
 def isolated_roots(polynomial: fmpq_poly) -> list[tuple[acb, int]]:
     """Return the roots of a rational polynomial as `roots` does, at the precision in force."""
-    found: Any = polynomial.numer().complex_roots()  # pairs, whatever the stubs of the library say
-    return [(acb(root), int(count)) for root, count in found]
+    isolated: Any = polynomial.numer().complex_roots()  # pairs, whatever the stubs of the library say
+    return [(acb(root), int(count)) for root, count in isolated]
 
 
 def roots(polynomial: fmpq_poly) -> list[tuple[acb, int]]:
@@ -81,8 +81,8 @@ def eigenvalues(A: ArrayLike) -> list[Eigenvalue]:
     >>> [(e.value, e.count) for e in eigenvalues([[-1.0, 1.0], [0.0, -1.0]])]
     [((-1+0j), 2)]
     """
-    found = [Eigenvalue(root, count) for root, count in roots(rational(square(A)).charpoly())]
-    return sorted(found, key=lambda e: (-e.value.real, -e.value.imag))
+    values = [Eigenvalue(root, count) for root, count in roots(rational(square(A)).charpoly())]
+    return sorted(values, key=lambda e: (-e.value.real, -e.value.imag))
 
 
 def rounded_eigenvalues(A: np.ndarray) -> tuple[np.ndarray, float]:

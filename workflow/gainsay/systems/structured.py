@@ -113,12 +113,12 @@ class _Cover:
 
     def look(self, frequency: float) -> np.ndarray:
         """Scaling of the response at a frequency; the level rises above the upper bound there."""
-        found = structured_bounds(self.system.response(frequency), self.blocks)
-        if found.lower > self.lower:
-            self.lower, self.place = found.lower, frequency
+        bounds = structured_bounds(self.system.response(frequency), self.blocks)
+        if bounds.lower > self.lower:
+            self.lower, self.place = bounds.lower, frequency
         # where the structure falls apart there is no best scaling: the level need not follow it to zero
-        self.level = max(self.level, found.upper * (1 + self.tolerance), self.floor)
-        return found.scaling
+        self.level = max(self.level, bounds.upper * (1 + self.tolerance), self.floor)
+        return bounds.scaling
 
     def whole(self) -> StructuredPeak:
         left = [(0.0, np.inf)]
@@ -129,13 +129,15 @@ class _Cover:
             low, high = left.pop()
             frequency = _between(low, high)
             scaling = self.look(frequency)
-            found = self._interval(scaling, frequency)
-            if found is None:
+            interval = self._interval(scaling, frequency)
+            if interval is None:
                 left.append((low, high))
                 self.level *= 1 + 0.1 * self.tolerance
                 continue
-            self.done.append((*found, scaling))
-            left += [(a, b) for a, b in ((low, found[0]), (found[1], high)) if a <= b and not _inside(a, b, found)]
+            self.done.append((*interval, scaling))
+            left += [
+                (a, b) for a, b in ((low, interval[0]), (interval[1], high)) if a <= b and not _inside(a, b, interval)
+            ]
         raise ComputationError("structured singular value", f"{_MOST} intervals do not cover the axis")
 
     def _interval(self, scaling: np.ndarray, frequency: float) -> tuple[float, float] | None:

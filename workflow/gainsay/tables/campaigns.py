@@ -77,7 +77,7 @@ def axes(row: Campaign) -> tuple[Axis, ...]:
     InputError
         If the cell is not a list of ranges, names an input twice, or a range is empty or cannot be logarithmic.
     """
-    found: dict[str, Axis] = {}
+    axis_of: dict[str, Axis] = {}
     for part in (word.strip() for word in row.inputs.split(";")):
         read = _INPUT.fullmatch(part)
         if read is None:
@@ -90,10 +90,10 @@ def axes(row: Campaign) -> tuple[Axis, ...]:
             raise _refuse("inputs", part, "a range whose low end is below its high end")
         if read["log"] and not low > 0:
             raise _refuse("inputs", part, "a range above 0, since it is logarithmic")
-        if read["name"] in found:
+        if read["name"] in axis_of:
             raise _refuse("inputs", read["name"], "each input once")
-        found[read["name"]] = Axis(read["name"], low, high, bool(read["log"]))
-    return tuple(found.values())
+        axis_of[read["name"]] = Axis(read["name"], low, high, bool(read["log"]))
+    return tuple(axis_of.values())
 
 
 def counts(row: Campaign) -> tuple[int, ...]:

@@ -36,8 +36,8 @@ T = TypeVar("T")
 class Named(dict[str, T]):
     """Rows of a table by name; an unknown one is refused with the nearest."""
 
-    def __init__(self, what: str, found: Mapping[str, T]) -> None:
-        super().__init__(found)
+    def __init__(self, what: str, rows: Mapping[str, T]) -> None:
+        super().__init__(rows)
         self.what = what
 
     def __missing__(self, name: str) -> T:

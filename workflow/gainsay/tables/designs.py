@@ -127,7 +127,7 @@ def design_path(folder: Path, name: str) -> Path:
     return folder / "designs" / f"{name}.json"
 
 
-def write_design(folder: Path, name: str, found: FoundDesign) -> Path:
+def write_design(folder: Path, name: str, design: FoundDesign) -> Path:
     """Write a design that a search found and return its path.
 
     Raises
@@ -136,19 +136,19 @@ def write_design(folder: Path, name: str, found: FoundDesign) -> Path:
         If a gain or an outcome is not finite.
     """
     path = design_path(folder, name)
-    numbers = [*(float(x) for matrix in found.matrices.values() for x in np.ravel(matrix)), *found.outcome.values()]
+    numbers = [*(float(x) for matrix in design.matrices.values() for x in np.ravel(matrix)), *design.outcome.values()]
     if not all(math.isfinite(number) for number in numbers):
         raise InputError("design", file=path.name, value="an entry that is not finite", expected="finite gains")
     content = {
-        "asked": found.asked,
-        "method": found.method,
-        "seed": found.seed,
-        "effort": dict(found.effort),
-        "converged": found.converged,
-        "outcome": {key: _text(value, 12) for key, value in found.outcome.items()},
+        "asked": design.asked,
+        "method": design.method,
+        "seed": design.seed,
+        "effort": dict(design.effort),
+        "converged": design.converged,
+        "outcome": {key: _text(value, 12) for key, value in design.outcome.items()},
         "matrices": {
-            key: [[_text(x, found.digits) for x in row] for row in np.atleast_2d(matrix)]
-            for key, matrix in found.matrices.items()
+            key: [[_text(x, design.digits) for x in row] for row in np.atleast_2d(matrix)]
+            for key, matrix in design.matrices.items()
         },
     }
     write_json(path, content)

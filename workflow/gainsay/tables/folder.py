@@ -87,13 +87,13 @@ def paper_names(root: Path) -> list[str]:
 
 
 def _by(rows: Mapping[int, AnyRow], key: str | tuple[str, ...], file: str) -> Mapping[Any, AnyRow]:
-    found: dict[Any, AnyRow] = {}
+    by_name: dict[Any, AnyRow] = {}
     for number, row in rows.items():
         name = getattr(row, key) if isinstance(key, str) else tuple(getattr(row, part) for part in key)
-        if name in found:
+        if name in by_name:
             raise InputError(file=file, row=number, field=str(key), value=name, expected="a name not used above")
-        found[name] = row
-    return MappingProxyType(found)
+        by_name[name] = row
+    return MappingProxyType(by_name)
 
 
 def _check_parameter(row: Parameter, file: str, number: int) -> None:

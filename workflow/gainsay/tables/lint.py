@@ -91,14 +91,14 @@ def given_of(case: Case, claim: Claim) -> dict[str, str]:
     InputError
         If it is no list of `name=value`.
     """
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for part in claim.given.split(";") if claim.given else ():
         name, sign, value = (word.strip() for word in part.partition("="))
-        if not sign or not value or name in found or name not in case.parameters:
+        if not sign or not value or name in values or name not in case.parameters:
             expected = "`name=value; name=value`, each name once and in parameters.csv"
             raise InputError("given", value=part.strip(), expected=expected)
-        found[name] = value
-    return found
+        values[name] = value
+    return values
 
 
 def _given_faults(case: Case, claim: Claim) -> Iterator[tuple[str, str, str]]:
@@ -162,13 +162,13 @@ def _sentence_faults(case: Case) -> Iterator[tuple[int, Claim, str, str]]:
     """Yield row, claim, field and expectation where claims of one sentence do not go together."""
     first: dict[str, Claim] = {}
     readings: dict[str, set[str]] = {}
-    said: dict[tuple[str, str], Claim] = {}
+    earlier: dict[tuple[str, str], Claim] = {}
     for claim in case.claims.values():
         readings.setdefault(claim.sentence, set()).add(claim.as_read)
     for row, claim in enumerate(case.claims.values(), start=_ROW_OF_FIRST):
         if claim.as_read and (not claim.sentence or len(readings[claim.sentence] - {""}) < 2):
             yield row, claim, "as_read", "nothing, or a name in `sentence` shared with a claim that reads it otherwise"
-        alike = said.setdefault((claim.where, claim.statement), claim)
+        alike = earlier.setdefault((claim.where, claim.statement), claim)
         if alike is not claim and (not claim.sentence or alike.sentence != claim.sentence):
             yield row, claim, "sentence", f"a name shared with {alike.id}, which says the same of the same place"
         if not claim.sentence:
@@ -292,11 +292,11 @@ def lint(case: Case) -> None:
         elif quantity.unit != recorded.unit:
             faults = [("unit", recorded.unit, quantity.unit)]
         _refuse_first(faults, f"papers/{case.name}/recorded.csv", row)
-    for row, found in enumerate(case.recorded_scans.values(), start=_ROW_OF_FIRST):
-        words = found.class_ == "exact"  # an outcome, an input, one of a list of choices
-        faults = [] if words else list(_recorded_faults(found))
-        if found.claim not in case.claims:
-            faults = [("claim", found.claim, "one of claims.csv")]
+    for row, recorded_scan in enumerate(case.recorded_scans.values(), start=_ROW_OF_FIRST):
+        words = recorded_scan.class_ == "exact"  # an outcome, an input, one of a list of choices
+        faults = [] if words else list(_recorded_faults(recorded_scan))
+        if recorded_scan.claim not in case.claims:
+            faults = [("claim", recorded_scan.claim, "one of claims.csv")]
         _refuse_first(faults, f"papers/{case.name}/recorded_scans.csv", row)
     for row, campaign in enumerate(case.campaigns.values(), start=_ROW_OF_FIRST):
         _refuse_first(campaign_faults(case, campaign), f"papers/{case.name}/campaigns.csv", row)
@@ -341,8 +341,8 @@ def measure_of(case: Case, text: str, design: str) -> str:
     names = {name: quantity for name, equals, quantity in (word.partition("=") for word in words) if equals}
     if names:
         return names.get(design, "")
-    found = (word.replace("{}", name) for word in words for name in (design, design.replace("_", ".")))
-    return next((name for name in found if name in case.quantities), "")
+    measures = (word.replace("{}", name) for word in words for name in (design, design.replace("_", ".")))
+    return next((name for name in measures if name in case.quantities), "")
 
 
 def held_against(text: str) -> str:

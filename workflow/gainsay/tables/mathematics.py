@@ -133,18 +133,18 @@ def parts(sentence: str) -> list[tuple[str, bool]]:
     >>> parts("the matrix $A$ is stable")
     [('the matrix ', False), ('A', True), (' is stable', False)]
     """
-    found: list[tuple[str, bool]] = []
+    pieces: list[tuple[str, bool]] = []
     for dollar, tex, single, text in _PART.findall(sentence):
         if single:
             raise InputError("sentence", value=sentence, expected="dollars in pairs, \\$ for a dollar itself")
         if tex:
-            found.append((tex, True))
+            pieces.append((tex, True))
         elif dollar or text:
             output = "$" if dollar else text
-            if found and not found[-1][1]:
-                output = found.pop()[0] + output
-            found.append((output, False))
-    return found
+            if pieces and not pieces[-1][1]:
+                output = pieces.pop()[0] + output
+            pieces.append((output, False))
+    return pieces
 
 
 _WORDS = {
@@ -164,8 +164,8 @@ SENTENCES = {
 }
 
 
-def _script(found: re.Match[str]) -> str:
-    return found[1] + (found[2] if re.fullmatch(r"-?\w+", found[2]) else f"({found[2]})")
+def _script(match: re.Match[str]) -> str:
+    return match[1] + (match[2] if re.fullmatch(r"-?\w+", match[2]) else f"({match[2]})")
 
 
 def plain(sentence: str) -> str:
@@ -187,7 +187,7 @@ def plain(sentence: str) -> str:
         text = re.sub(r"\\frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)", text)
         text = re.sub(r"\\sqrt\{([^{}]*)\}", r"sqrt(\1)", text)
         text = re.sub(r"\\(?:begin|end)\{\w+\}", "", text)
-        text = _COMMAND.sub(lambda found: _WORDS.get(found[0], found[1] if found[1].isalpha() else found[0]), text)
+        text = _COMMAND.sub(lambda match: _WORDS.get(match[0], match[1] if match[1].isalpha() else match[0]), text)
         text = re.sub(r"(\|{1,2}) (?=\w)", r"\1", text)  # the blank that ends a command
         text = re.sub(r"([_^])\{([^{}]*)\}", _script, text)
         output.append(re.sub(r" {2,}", " ", text).strip())

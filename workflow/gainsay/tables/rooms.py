@@ -36,8 +36,8 @@ def check_rooms(case: Case) -> None:
     for path in listed(case.folder, case.root):
         if path.suffix != ".py" or path.name == "__init__.py":
             continue
-        found = _PART.fullmatch(path.stem)
-        if found is None or found["room"] not in ROOMS:
+        match = _PART.fullmatch(path.stem)
+        if match is None or match["room"] not in ROOMS:
             near = nearest(path.stem, ROOMS)
             meant = f"{near}.py, perhaps; " if near else ""
             expected = f"{meant}<room>.py or <room>_<part>.py, the rooms being {', '.join(ROOMS)}"

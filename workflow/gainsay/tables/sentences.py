@@ -49,8 +49,8 @@ def _of_readings(verdicts: set[str]) -> str:
 
 def sentences(claims: Iterable[Claim]) -> list[tuple[Claim, ...]]:
     """Return the claims of each sentence together, in the order in which the sentences come first."""
-    found: dict[str, list[Claim]] = {}
+    groups: dict[str, list[Claim]] = {}
     for claim in claims:
         # a claim whose sentence has no name is a sentence of its own: ids hold no blank
-        found.setdefault(claim.sentence or f"claim {claim.id}", []).append(claim)
-    return [tuple(together) for together in found.values()]
+        groups.setdefault(claim.sentence or f"claim {claim.id}", []).append(claim)
+    return [tuple(together) for together in groups.values()]

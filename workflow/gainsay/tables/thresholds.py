@@ -49,12 +49,12 @@ def printed_in(statement: str) -> set[Fraction]:
     >>> printed_in(r"below $1.5\\times 10^{-3}$ N m, 5 % of it") == {Fraction("0.0015"), Fraction(5), Fraction("0.05")}
     True
     """
-    found = set()
+    numbers = set()
     for match in _NUMBER.finditer(_POWER_OF_TEN.sub(r"e\1", statement)):
         text, percent = match[0], match[1]
         value = abs(Fraction(text.removesuffix(percent) if percent else text))
-        found |= {value, value / 100} if percent else {value}
-    return found
+        numbers |= {value, value / 100} if percent else {value}
+    return numbers
 
 
 def _is_said(case: Case, claim: Claim, value: Fraction) -> bool:

@@ -29,7 +29,7 @@ def over_choice(
     KeyError
         If a reading has no value.
     """
-    found = scan(case, quantity, [plausible(case, choice)], lambda reading: float(values[reading[choice]]))
-    results.scan(found)
+    outcome = scan(case, quantity, [plausible(case, choice)], lambda reading: float(values[reading[choice]]))
+    results.scan(outcome)
     results.quantity(quantity, float(values[case.choice(choice)]), method=method, source=source)
-    return found
+    return outcome

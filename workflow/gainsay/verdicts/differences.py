@@ -30,13 +30,13 @@ def _agrees(recorded: Toleranced, text: str) -> bool:
 
 
 def _quantity_differences(case: Case) -> Iterator[Difference]:
-    found = {row["quantity"]: row for row in read_returned(case.results / "quantities.csv", case.root)}
+    quantities = {row["quantity"]: row for row in read_returned(case.results / "quantities.csv", case.root)}
     for quantity in case.quantities:
-        if quantity not in found:
+        if quantity not in quantities:
             step = case.quantities[quantity].step
             yield case.name, "quantity", quantity, "a value", "", f"the step {step} gives it none; a scan alone is none"
             continue
-        recorded, row = case.recorded.get(quantity), found[quantity]
+        recorded, row = case.recorded.get(quantity), quantities[quantity]
         if recorded is None:
             yield case.name, "quantity", quantity, "", row["value"], NEW
             continue
@@ -52,11 +52,11 @@ def scan_differences(case: Case) -> list[Difference]:
 
 
 def _scan_differences(case: Case) -> Iterator[Difference]:
-    found = {
+    items = {
         (claim, item): text for claim, scan in scans_of(case).items() for item, (text, _) in scan_items(scan).items()
     }
-    for key in {**found, **case.recorded_scans}:
-        recorded, text = case.recorded_scans.get(key), found.get(key, "")
+    for key in {**items, **case.recorded_scans}:
+        recorded, text = case.recorded_scans.get(key), items.get(key, "")
         what = " ".join(key)
         if recorded is None or not text:
             on_record = "" if recorded is None else recorded.value
@@ -67,25 +67,32 @@ def _scan_differences(case: Case) -> Iterator[Difference]:
 
 def _read_differences(case: Case) -> Iterator[Difference]:
     """Hold what the computations read of what the paper leaves out against the record."""
-    found = reads_of(case)
-    for key in {**found, **case.recorded_reads}:
+    reads = reads_of(case)
+    for key in {**reads, **case.recorded_reads}:
         recorded = case.recorded_reads[key].how if key in case.recorded_reads else ""
-        if found.get(key, "") != recorded:
+        if reads.get(key, "") != recorded:
             note = "what the paper leaves out and the computation read" if recorded else NEW
-            yield case.name, "input", " ".join(key), recorded, found.get(key, ""), note
+            yield case.name, "input", " ".join(key), recorded, reads.get(key, ""), note
 
 
 def _statement_differences(case: Case) -> Iterator[Difference]:
     """Hold what each certificate states against the record: one that states something else proves something else."""
-    found = certificates_of(case)
-    for name in {**found, **case.recorded_certificates}:
+    digests = certificates_of(case)
+    for name in {**digests, **case.recorded_certificates}:
         recorded = case.recorded_certificates.get(name)
-        if name not in found:
+        if name not in digests:
             yield case.name, "certificate", name, "present", "missing", "on record"
         elif recorded is None:
-            yield case.name, "certificate", name, "", found[name], NEW
-        elif recorded.formulas != found[name]:
-            yield case.name, "certificate", name, recorded.formulas, found[name], "its formulas are not those on record"
+            yield case.name, "certificate", name, "", digests[name], NEW
+        elif recorded.formulas != digests[name]:
+            yield (
+                case.name,
+                "certificate",
+                name,
+                recorded.formulas,
+                digests[name],
+                "its formulas are not those on record",
+            )
 
 
 def _witness_differences(case: Case) -> Iterator[Difference]:
@@ -108,27 +115,25 @@ def differences(case: Case) -> list[Difference]:
 
     Of a draft, what is not on record yet is no difference.
     """
-    found: list[Difference] = []
+    rows: list[Difference] = []
     for row in read_returned(case.results / "failures.csv", case.root):
-        found.append((case.name, "failure", f"{row['step']} {row['where']}", "", row["message"], row["task"]))
+        rows.append((case.name, "failure", f"{row['step']} {row['where']}", "", row["message"], row["task"]))
     verdicts = {row["claim"]: row for row in read_returned(case.results / "verdicts.csv", case.root)}
     for claim in case.claims.values():
         row = verdicts.get(claim.id, {"verdict": "missing", "note": "run the verdicts again", "witness": ""})
         if row["verdict"] != claim.expected or row["verdict"] == "failed":
-            found.append(
-                (case.name, "verdict", claim.id, claim.expected, row["verdict"], row["note"] or row["witness"])
-            )
-    found += _quantity_differences(case)
-    found += _witness_differences(case)
-    found += scan_differences(case)
-    found += _read_differences(case)
-    found += _statement_differences(case)
+            rows.append((case.name, "verdict", claim.id, claim.expected, row["verdict"], row["note"] or row["witness"]))
+    rows += _quantity_differences(case)
+    rows += _witness_differences(case)
+    rows += scan_differences(case)
+    rows += _read_differences(case)
+    rows += _statement_differences(case)
     wanted = [f"logs/{run}.{ending}" for run in case.paper.runs for ending in ("mcap", "rrd")]
     wanted += [f"figures/{figure}.{ending}" for figure in case.paper.figures for ending in ("svg", "png")]
     for file in wanted:
         if not (case.results / file).is_file():
-            found.append((case.name, "file", file, "present", "missing", ""))
+            rows.append((case.name, "file", file, "present", "missing", ""))
     for design in case.paper.designs:
         if design not in case.designs:
-            found.append((case.name, "design", design, "in designs/", "missing", "found by `gainsay search`"))
-    return [row for row in found if row[-1] != NEW] if case.paper.draft else found
+            rows.append((case.name, "design", design, "in designs/", "missing", "found by `gainsay search`"))
+    return [row for row in rows if row[-1] != NEW] if case.paper.draft else rows

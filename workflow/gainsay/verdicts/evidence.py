@@ -13,7 +13,7 @@ from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 
 
 @dataclass(frozen=True)
-class Found:
+class ComputedQuantity:
     """A computed quantity.
 
     Attributes
@@ -61,7 +61,7 @@ class Evidence:
 
     Attributes
     ----------
-    found : dict of quantity to Found
+    numbers : dict of quantity to ComputedQuantity
     concluded : dict of quantity to list of Concluded
     certificates : dict of certificate id to sentence
         Accepted ones.
@@ -77,7 +77,7 @@ class Evidence:
         What was computed of which neither side could be proved.
     """
 
-    found: dict[str, Found] = field(default_factory=dict)
+    numbers: dict[str, ComputedQuantity] = field(default_factory=dict)
     concluded: dict[str, list[Concluded]] = field(default_factory=dict)
     certificates: dict[str, str] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
@@ -125,7 +125,7 @@ def read_evidence(case: Case) -> Evidence:
         if row["method"].startswith(UNDECIDED):
             evidence.undecided[row["quantity"]] = row["method"].removeprefix(UNDECIDED).strip()
             continue
-        evidence.found[row["quantity"]] = Found(
+        evidence.numbers[row["quantity"]] = ComputedQuantity(
             double(row["value"]), _number(row["lower"]), _number(row["upper"]), row["method"], row["source"]
         )
     # Only what a step lists as its own counts: a file left by an interrupted or older step is no evidence.
@@ -144,7 +144,7 @@ def read_evidence(case: Case) -> Evidence:
             continue
         evidence.certificates[path.stem] = proof.statement
         entries = (certificate.data.get(sort, {}) for sort in ("number", "printed", "half_units"))
-        evidence.read[path.stem] = {name for found in entries for name in found}
+        evidence.read[path.stem] = {name for results in entries for name in results}
         over = frozenset(certificate.data.get("plausible", {}))
         for conclusion in proof.conclusions:
             low, high = _ends(conclusion.relation, conclusion.value)

@@ -76,32 +76,32 @@ def _missing(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
 
 def _unproved(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     """Judge what was computed and not proved: undecided, unless a computation of that step or a certificate broke."""
-    found, step = evidence.found.get(claim.quantity), case.quantities[claim.quantity].step
+    number, step = evidence.found.get(claim.quantity), case.quantities[claim.quantity].step
     lost = evidence.lost.get(claim.quantity) or evidence.lost.get("")
     if lost:
         return Judgement("failed", certificate=" ".join(lost), note=f"refused: {evidence.refused[lost[0]]}")
-    if found is None or any(failure["step"] == step for failure in evidence.failures):
+    if number is None or any(failure["step"] == step for failure in evidence.failures):
         return _missing(case, claim, evidence)
-    return Judgement("undecided", note=f"computed as {found.value!r}, and no certificate says so ({found.method})")
+    return Judgement("undecided", note=f"computed as {number.value!r}, and no certificate says so ({number.method})")
 
 
 def _judge_yes_or_no(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     """Judge what either holds or fails; only an accepted certificate decides."""
-    said = [c for c in evidence.concluded.get(claim.quantity, []) if c.relation in ("holds", "fails")]
-    found = evidence.found.get(claim.quantity)
-    if not said:
+    conclusions = [c for c in evidence.concluded.get(claim.quantity, []) if c.relation in ("holds", "fails")]
+    number = evidence.found.get(claim.quantity)
+    if not conclusions:
         return _unproved(case, claim, evidence)
-    relations = {c.relation for c in said}
-    certificates = " ".join(c.certificate for c in said)
-    proved = f"proved: {', '.join(sorted({c.theorem for c in said}))}"
+    relations = {c.relation for c in conclusions}
+    certificates = " ".join(c.certificate for c in conclusions)
+    proved = f"proved: {', '.join(sorted({c.theorem for c in conclusions}))}"
     if len(relations) > 1:
         return Judgement("failed", evidence=proved, certificate=certificates, note="certificates contradict each other")
     holds = relations == {"holds"}
-    if found is not None and found.value != holds:
-        note = f"computed as {found.value!r}, but the certificate says {said[0].relation}"
+    if number is not None and number.value != holds:
+        note = f"computed as {number.value!r}, but the certificate says {conclusions[0].relation}"
         return Judgement("failed", evidence=proved, certificate=certificates, note=note)
     wanted = claim.comparator in ("holds", "feasible")
-    witness = "" if holds == wanted else evidence.certificates[said[0].certificate]
+    witness = "" if holds == wanted else evidence.certificates[conclusions[0].certificate]
     return Judgement(
         "reproduced" if holds == wanted else "contradicted",
         recomputed=float(holds),
@@ -118,16 +118,16 @@ def _decides(claim: Claim, scan: Outcome, evidence: Evidence) -> bool:
     return claim.kind not in PROVED or scan.outcome == "depends"
 
 
-def _judge_scan(claim: Claim, scan: Outcome, found: Found | None) -> Judgement:
+def _judge_scan(claim: Claim, scan: Outcome, number: Found | None) -> Judgement:
     """Judge a claim over the plausible values of what the paper leaves out.
 
     The value at our own filling is one plausible value more: it must bear out what the samples say.
     """
-    if found is not None and scan.outcome != "depends" and not (scan.one_is_enough and scan.outcome == "holds"):
+    if number is not None and scan.outcome != "depends" and not (scan.one_is_enough and scan.outcome == "holds"):
         strict, lenient = (readings := criteria(claim))[0], readings[-1]
-        agrees = strict.holds(found.value) if scan.outcome == "holds" else not lenient.holds(found.value)
+        agrees = strict.holds(number.value) if scan.outcome == "holds" else not lenient.holds(number.value)
         if not agrees:
-            note = f"every sample of the scan {scan.outcome}, our own filling, {found.value!r}, does not"
+            note = f"every sample of the scan {scan.outcome}, our own filling, {number.value!r}, does not"
             return Judgement("failed", note=note)
     verdict = _OF_SCAN[scan.outcome]
     ends = [_in_unit(claim, value) for value, _ in (scan.least, scan.greatest)]
@@ -141,26 +141,26 @@ def _judge_scan(claim: Claim, scan: Outcome, found: Found | None) -> Judgement:
     )
 
 
-def _kind_of_evidence(claim: Claim, found: Found | None) -> str:
+def _kind_of_evidence(claim: Claim, number: Found | None) -> str:
     """Name what a number rests on: an enclosure, a run with its error bound, or doubles alone."""
-    if claim.kind == "trajectory" or (found is not None and found.source.startswith("logs/")):
+    if claim.kind == "trajectory" or (number is not None and number.source.startswith("logs/")):
         return "simulated"
-    bounded = found is None or (found.lower is not None and found.upper is not None)
+    bounded = number is None or (number.lower is not None and number.upper is not None)
     return "enclosed" if bounded else "computed"
 
 
-def _ends(found: Found) -> tuple[Fraction, Fraction]:
-    low, high = (Fraction(found.value if end is None else end) for end in (found.lower, found.upper))
+def _ends(number: Found) -> tuple[Fraction, Fraction]:
+    low, high = (Fraction(number.value if end is None else end) for end in (number.lower, number.upper))
     return low, high
 
 
-def _contradictory(low: Number, high: Number, found: Found | None) -> bool:
+def _contradictory(low: Number, high: Number, number: Found | None) -> bool:
     """Say whether proofs exclude each other, or what was computed lies outside them by more than rounding."""
     if low > high:
         return True
-    if found is None:
+    if number is None:
         return False
-    bottom, top = _ends(found)
+    bottom, top = _ends(number)
     slack = _ROUNDING * max(abs(bottom), abs(top))
     return top + slack < low or bottom - slack > high
 
@@ -184,11 +184,11 @@ def contradictions(evidence: Evidence) -> Iterator[tuple[str, str]]:
             yield quantity, f"{written}outside of what certificates prove: {names}"
 
 
-def _narrowed(low: Number, high: Number, found: Found | None) -> tuple[Number, Number]:
+def _narrowed(low: Number, high: Number, number: Found | None) -> tuple[Number, Number]:
     """Narrow a proved range by what was computed, in order even where rounding parts the two."""
-    if found is None:
+    if number is None:
         return low, high
-    bottom, top = _ends(found)
+    bottom, top = _ends(number)
     low, high = max(low, bottom), min(high, top)
     return (low, high) if low <= high else (high, low)
 
@@ -198,33 +198,33 @@ def _strict(claim: Claim, evidence: Evidence) -> bool:
     if claim.comparator not in ("at_most", "at_least"):
         return True
     bound = PrintedNumber(claim.published).value * to_si(claim.unit)[1]
-    said = evidence.concluded.get(claim.quantity, [])
+    conclusions = evidence.concluded.get(claim.quantity, [])
     if claim.comparator == "at_most":
-        ends = [(bound - c.high, c.relation == "less_than") for c in said if c.high is not None]
+        ends = [(bound - c.high, c.relation == "less_than") for c in conclusions if c.high is not None]
     else:
-        ends = [(c.low - bound, c.relation == "greater_than") for c in said if c.low is not None]
+        ends = [(c.low - bound, c.relation == "greater_than") for c in conclusions if c.low is not None]
     return any(room > 0 or (room == 0 and strict) for room, strict in ends)
 
 
 def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     """Judge a number by the range that its evidence gives it."""
-    found = evidence.found.get(claim.quantity)
+    number = evidence.found.get(claim.quantity)
     low, high, used = evidence.proved_range(claim.quantity)
-    if found is None and not used:
+    if number is None and not used:
         return _missing(case, claim, evidence)
     if claim.kind in PROVED and not used:
         return _unproved(case, claim, evidence)
-    if _contradictory(low, high, found):
+    if _contradictory(low, high, number):
         return Judgement("failed", note=f"the evidence on {claim.quantity} contradicts itself")
     certificate = " ".join(dict.fromkeys(c.certificate for c in used))
     if claim.kind in PROVED:
         kind = f"proved: {', '.join(sorted({c.theorem for c in used}))}" if used else "none"
     else:
-        kind = _kind_of_evidence(claim, found)
-        if claim.kind in _BOUNDED and (found is None or found.lower is None or found.upper is None):
+        kind = _kind_of_evidence(claim, number)
+        if claim.kind in _BOUNDED and (number is None or number.lower is None or number.upper is None):
             return Judgement("failed", note=f"a {claim.kind} needs {_BOUNDED[claim.kind]}, and none was computed")
-        low, high = _narrowed(low, high, found)
-    value = found.value if found is not None else None
+        low, high = _narrowed(low, high, number)
+    value = number.value if number is not None else None
     shared: dict[str, Any] = {
         "recomputed": _in_unit(claim, value),
         "evidence": kind,
@@ -248,7 +248,7 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     if outcomes[0] is False and outcomes[-1]:
         witness = f"depends on the threshold, {claim.published} {claim.unit}: turns at {text}"
         return Judgement("undetermined", witness=witness, **shared)
-    if claim.kind in _DIGITS and found is not None and found.method.startswith(FROM_DIGITS) and outcomes[-1] is None:
+    if claim.kind in _DIGITS and number is not None and number.method.startswith(FROM_DIGITS) and outcomes[-1] is None:
         note = "within the rounding of the digits that the paper prints, of its inputs and of this value"
         return Judgement("reproduced", note=note, **shared)
     if claim.kind in PROVED:

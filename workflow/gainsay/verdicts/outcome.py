@@ -99,12 +99,12 @@ class Outcome:
             return "depends"
         return "open" if self.one_is_enough and not self.finite else "fails"
 
-    def _phrase(self, found: Pair | None) -> str:
-        if found is None:
+    def _phrase(self, pair: Pair | None) -> str:
+        if pair is None:
             return ""
         units = {p.name: p.unit for p in self.inputs}
-        at = ", ".join(f"{k} = {_short(v)} {units[k]}".removesuffix(" 1") for k, v in found[1].items())
-        return f"{self.quantity} = {_short(found[0])} at {at}"
+        at = ", ".join(f"{k} = {_short(v)} {units[k]}".removesuffix(" 1") for k, v in pair[1].items())
+        return f"{self.quantity} = {_short(pair[0])} at {at}"
 
     @property
     def witness(self) -> str:
@@ -192,8 +192,8 @@ def _read_scan(path: Path, root: Path) -> dict[str, Any]:
     try:
         scan = ScanFile.model_validate(content)
         inputs = [Plausible.from_json(entry) for entry in content["inputs"]]
-        for found in (scan, *scan.crossings, scan.closer):
-            for _, row in zip(found.values, found.points, strict=True):
+        for pair in (scan, *scan.crossings, scan.closer):
+            for _, row in zip(pair.values, pair.points, strict=True):
                 for entry, at in zip(inputs, row, strict=True):
                     # raises where the input is one of values and this is none of them
                     if not -_ROUNDING <= entry.fraction(at) <= 1 + _ROUNDING:
@@ -235,19 +235,19 @@ def outcome(claim: Claim, scan: Mapping[str, Any]) -> Outcome:
         return value, dict(zip((p.name for p in inputs), row, strict=True))
 
     strict, lenient = (wanted := criteria(claim))[0], wanted[-1]
-    found = [pair(value, row) for value, row in zip(scan["values"], scan["points"], strict=True)]
-    by_value = sorted(found, key=lambda one: one[0])
-    holding, at_best = (sum(one.holds(value) for value, _ in found) for one in (strict, lenient))
+    pairs = [pair(value, row) for value, row in zip(scan["values"], scan["points"], strict=True)]
+    by_value = sorted(pairs, key=lambda one: one[0])
+    holding, at_best = (sum(one.holds(value) for value, _ in pairs) for one in (strict, lenient))
     crossings = []
     for crossing in scan["crossings"]:
         first, second = map(pair, crossing["values"], crossing["points"])
         crossings.append((first, second))
     turns = strict if holding or not at_best else lenient
-    boundary, holds_at, fails_at = _boundary(inputs, turns, crossings, found)
+    boundary, holds_at, fails_at = _boundary(inputs, turns, crossings, pairs)
     parts: dict[str, Any] = {"criterion": strict.phrase, "one_is_enough": claim.holds_for == "some"}
     if strict != lenient:
         parts["criterion"] = f"{strict.phrase} to {lenient.phrase}"
-        if at_best and holding < len(found):
+        if at_best and holding < len(pairs):
             parts["turning"] = _along_the_threshold(claim, by_value[0][0], by_value[-1][0])
     around = scan.get("closer", {}).get("values", [])
     parts |= {"closer": len(around), "closer_holding": sum(strict.holds(value) for value in around)}
@@ -256,7 +256,7 @@ def outcome(claim: Claim, scan: Mapping[str, Any]) -> Outcome:
         claim.id,
         scan["quantity"],
         inputs,
-        len(found),
+        len(pairs),
         distinct,
         holding,
         at_best,
@@ -279,11 +279,11 @@ def _along_the_threshold(claim: Claim, least: float, greatest: float) -> str:
 
 
 def _boundary(
-    inputs: tuple[Plausible, ...], wanted: Criterion, crossings: list[tuple[Pair, Pair]], found: list[Pair]
+    inputs: tuple[Plausible, ...], wanted: Criterion, crossings: list[tuple[Pair, Pair]], pairs: list[Pair]
 ) -> tuple[Boundary | None, Pair | None, Pair | None]:
     """Return the crossing at which the criterion turns, else no boundary and the nearest pair of outcomes."""
-    good = [one for one in found if wanted.holds(one[0])]
-    bad = [one for one in found if not wanted.holds(one[0])]
+    good = [one for one in pairs if wanted.holds(one[0])]
+    bad = [one for one in pairs if not wanted.holds(one[0])]
     if not good or not bad:
         return None, next(iter(good), None), next(iter(bad), None)
     for first, second in crossings:

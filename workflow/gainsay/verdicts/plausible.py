@@ -196,9 +196,9 @@ def _drawn(
 ) -> tuple[Point, ...]:
     """Draw the points of a sample, kept for the other scans over the same inputs."""
     points: list[Point] = []
-    for drawn, fraction in enumerate(fractions(len(inputs), seed)):
-        if drawn > 100 * max(samples, 10):
-            raise InputError("hardly any plausible inputs fit together", value=f"{len(points)} of {drawn} drawn")
+    for number, fraction in enumerate(fractions(len(inputs), seed)):
+        if number > 100 * max(samples, 10):
+            raise InputError("hardly any plausible inputs fit together", value=f"{len(points)} of {number} drawn")
         point = {p.name: p.at(f) for p, f in zip(inputs, fraction, strict=True)}
         if admissible is None or admissible(point):
             points.append(point)

@@ -208,12 +208,12 @@ def record_sentence(differences: Sequence[Sequence[str]]) -> str:
     for paper, what, *_ in differences:
         papers.setdefault(paper, Counter())[what] += 1
     parts = [
-        ", ".join(_several(count, _NOUNS.get(what, what)) for what, count in found.items()) + f" of {paper}"
-        for paper, found in papers.items()
+        ", ".join(_several(count, _NOUNS.get(what, what)) for what, count in counts.items()) + f" of {paper}"
+        for paper, counts in papers.items()
     ]
     verb = "differs" if len(differences) == 1 else "differ"
-    said = f"{' and '.join(parts)} {verb} from the record"
-    return said if any(found["verdict"] for found in papers.values()) else f"{said}, no verdict does"
+    sentence = f"{' and '.join(parts)} {verb} from the record"
+    return sentence if any(counts["verdict"] for counts in papers.values()) else f"{sentence}, no verdict does"
 
 
 def record_line(differences: Sequence[Sequence[str]]) -> str:

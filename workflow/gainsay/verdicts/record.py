@@ -18,7 +18,7 @@ from gainsay.verdicts.tolerance import ROUNDING, decimal_above, proposed
 def scan_items(scan: Outcome) -> dict[str, tuple[str, bool]]:
     """Return what a scan says of a claim: item -> text of the value, and whether it is a number computed in doubles."""
     holds, fails = (None, None) if scan.boundary is None else (scan.boundary.holds, scan.boundary.fails)
-    found = {
+    items = {
         "outcome": (scan.outcome, False),
         "samples": (cell(scan.samples), False),
         "holding": (cell(scan.holding), False),
@@ -30,7 +30,7 @@ def scan_items(scan: Outcome) -> dict[str, tuple[str, bool]]:
         "holds_at": (cell(holds), isinstance(holds, float)),
         "fails_at": (cell(fails), isinstance(fails, float)),
     }
-    return {item: (text, number) for item, (text, number) in found.items() if text}
+    return {item: (text, number) for item, (text, number) in items.items() if text}
 
 
 def scans_of(case: Case) -> dict[str, Outcome]:
@@ -41,20 +41,20 @@ def scans_of(case: Case) -> dict[str, Outcome]:
 
 def certificates_of(case: Case) -> dict[str, str]:
     """Return the digest of what each certificate of a paper states, by its id; the verdicts say which are refused."""
-    found = {}
+    digests = {}
     for file in sorted({row["file"] for row in read_part(case, "files") if row["file"].startswith("certificates/")}):
         with suppress(GainsayError):
             certificate = read_certificate(case.results / file)
-            found[certificate.id] = formulas_digest(certificate)
-    return found
+            digests[certificate.id] = formulas_digest(certificate)
+    return digests
 
 
-def _refuse_unfinished(case: Case, found: Mapping[str, Any]) -> None:
+def _refuse_unfinished(case: Case, rows: Mapping[str, Any]) -> None:
     """Nothing goes on record, and nothing off it, while a computation is broken or missing."""
     failures = read_returned(case.results / "failures.csv", case.root)
     if failures:
         raise ComputationError(case.name, f"{len(failures)} computations failed: nothing was put on record")
-    missing = [quantity for quantity in case.quantities if quantity not in found]
+    missing = [quantity for quantity in case.quantities if quantity not in rows]
     if missing:
         raise ComputationError(case.name, f"{missing[0]} was not computed: nothing was put on record")
 
@@ -74,9 +74,9 @@ def _below_floor(before: Toleranced | None, value: str) -> str:
     return value
 
 
-def _quantity_rows(case: Case, found: Mapping[str, Mapping[str, str]]) -> Iterator[tuple[tuple[str, ...], str]]:
+def _quantity_rows(case: Case, quantities: Mapping[str, Mapping[str, str]]) -> Iterator[tuple[tuple[str, ...], str]]:
     for quantity, declared in case.quantities.items():
-        before, row = case.recorded.get(quantity), found[quantity]
+        before, row = case.recorded.get(quantity), quantities[quantity]
         value, new = _below_floor(before, row["value"]), proposed(row, declared.meaning)
         width = ""
         if row["lower"] and row["upper"] and row["lower"] != row["upper"]:
@@ -114,15 +114,15 @@ def reads_of(case: Case) -> dict[tuple[str, str], str]:
     claims = case.claims.values()
     claimed = {c.quantity for c in claims} | {c.published for c in claims if c.comparator == "less_than"}
     rows = sorted(read_part(case, "reads"), key=lambda row: row["how"])  # what was scanned over comes last, and counts
-    found = {(row["quantity"], row["parameter"]): row["how"] for row in rows}
+    reads = {(row["quantity"], row["parameter"]): row["how"] for row in rows}
     for file in sorted({row["file"] for row in read_part(case, "files") if row["file"].startswith("certificates/")}):
         with suppress(GainsayError):
             certificate = read_certificate(case.results / file)
             names = [name for name in certificate.data.get("number", {}) if name in case.assumed]
             quantities = {conclusion.quantity for conclusion in certificate.conclusions if conclusion.quantity}
             for key in ((quantity, name) for quantity in quantities for name in names):
-                found.setdefault(key, "read")
-    return {key: how for key, how in sorted(found.items()) if key[0] in claimed}
+                reads.setdefault(key, "read")
+    return {key: how for key, how in sorted(reads.items()) if key[0] in claimed}
 
 
 def _read_rows(case: Case) -> Iterator[tuple[tuple[str, ...], str]]:
@@ -149,10 +149,10 @@ def record_paper(case: Case) -> Iterator[str]:
     ComputationError
         While a computation of the paper is broken or missing: nothing is written then.
     """
-    found = {row["quantity"]: row for row in read_returned(case.results / "quantities.csv", case.root)}
-    _refuse_unfinished(case, found)
+    quantities = {row["quantity"]: row for row in read_returned(case.results / "quantities.csv", case.root)}
+    _refuse_unfinished(case, quantities)
     tables: dict[str, tuple[Sequence[str], list[tuple[Any, str]], Mapping[Any, object]]] = {
-        "recorded": (columns(Recorded), list(_quantity_rows(case, found)), case.recorded),
+        "recorded": (columns(Recorded), list(_quantity_rows(case, quantities)), case.recorded),
         "recorded_scans": (columns(RecordedScan), list(_scan_rows(case)), case.recorded_scans),
         "recorded_reads": (columns(RecordedRead), list(_read_rows(case)), case.recorded_reads),
         "recorded_certificates": (

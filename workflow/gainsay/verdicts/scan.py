@@ -42,14 +42,14 @@ Together: TypeAlias = Callable[[Sequence[Point]], Sequence[Mapping[str, float]]]
 
 @dataclass(frozen=True)
 class Scan:
-    """What a scan found; written by `Results.scan`.
+    """Values of a scan and the points they were computed at; written by `Results.scan`.
 
     Attributes
     ----------
     quantity : str
     inputs : tuple of Plausible
     seed : int
-    found : tuple of (float, Point)
+    pairs : tuple of (float, Point)
         The quantity at every sample, scattered ones first, then the corners.
     crossings : tuple of pairs of (float, Point)
         Two points that differ in one input, close to each other or two values of a choice, between which a claim turns.
@@ -62,7 +62,7 @@ class Scan:
     quantity: str
     inputs: tuple[Plausible, ...]
     seed: int
-    found: tuple[Pair, ...]
+    pairs: tuple[Pair, ...]
     crossings: tuple[tuple[Pair, Pair], ...]
     bears_out: tuple[str, ...] = ()
     closer: tuple[Pair, ...] = ()
@@ -70,7 +70,7 @@ class Scan:
     @property
     def note(self) -> str:
         """Between which values the quantity lies, over how many samples."""
-        values = [value for value, _ in self.found]
+        values = [value for value, _ in self.pairs]
         return f"{min(values):.5g} to {max(values):.5g} over {len(values)} plausible inputs"
 
     def to_json(self) -> dict[str, Any]:
@@ -86,8 +86,8 @@ class Scan:
             if all(p.values for p in self.inputs)
             else "Halton, seeded shift; and the corners of the plausible values",
             "inputs": [p.to_json() for p in self.inputs],
-            "values": [value for value, _ in self.found],
-            "points": [row(point) for _, point in self.found],
+            "values": [value for value, _ in self.pairs],
+            "points": [row(point) for _, point in self.pairs],
             "crossings": [
                 {"values": [value for value, _ in pair], "points": [row(point) for _, point in pair]}
                 for pair in self.crossings
@@ -194,8 +194,8 @@ def scans(
     def each(points: Sequence[Point]) -> Sequence[Mapping[str, float]]:
         return together(points) if together else [_at(", ".join(quantities), evaluate, point) for point in points]
 
-    found = _answered(asking, each)
-    return [found[quantity] for quantity in quantities]
+    answers = _answered(asking, each)
+    return [answers[quantity] for quantity in quantities]
 
 
 def _at(what: str, evaluate: Callable[[Mapping], T] | None, point: Point) -> T:
@@ -226,10 +226,10 @@ def _answered(asking: Mapping[str, Asking[Scan]], together: Together) -> dict[st
     return ended
 
 
-def _value_of(quantity: str, point: Point, found: Mapping[str, float]) -> float:
-    if quantity not in found:
-        raise ComputationError(quantity, f"quantity of a scan {quantity!r}: expected {one_of(quantity, found)}")
-    value = float(found[quantity])
+def _value_of(quantity: str, point: Point, values: Mapping[str, float]) -> float:
+    if quantity not in values:
+        raise ComputationError(quantity, f"quantity of a scan {quantity!r}: expected {one_of(quantity, values)}")
+    value = float(values[quantity])
     if math.isnan(value):
         raise ComputationError(quantity, f"scan broke at {point}: the quantity is not a number")
     return value
@@ -255,29 +255,29 @@ def _scan(
         points = readings(inputs, admissible)
     else:
         points = [*sample(inputs, samples, seed, admissible), *corners(inputs, admissible)]
-    found = list(zip((yield points), points, strict=True))
+    pairs = list(zip((yield points), points, strict=True))
     crossings: list[tuple[Pair, Pair]] = []
     closer: list[Pair] = []
     for claim in case.claims.values():
         if claim.quantity == quantity and claim.comparator in NUMERIC:
             for one in criteria(claim):
-                crossings += yield from _crossing(inputs, found, one.holds, admissible, width, parts)
+                crossings += yield from _crossing(inputs, pairs, one.holds, admissible, width, parts)
             if not closer:  # under the strictest reading, by which samples are counted
-                around = _around_the_few(inputs, found, criteria(claim)[0].holds, seed, admissible)
+                around = _around_the_few(inputs, pairs, criteria(claim)[0].holds, seed, admissible)
                 closer = list(zip((yield around), around, strict=True))
-    return Scan(quantity, tuple(inputs), seed, tuple(found), tuple(crossings), tuple(bears_out), tuple(closer))
+    return Scan(quantity, tuple(inputs), seed, tuple(pairs), tuple(crossings), tuple(bears_out), tuple(closer))
 
 
 def _around_the_few(
     inputs: Sequence[Plausible],
-    found: Sequence[Pair],
+    pairs: Sequence[Pair],
     holds: Holds,
     seed: int,
     admissible: Callable[[Mapping], bool] | None,
 ) -> list[Point]:
     """Draw points from the least box around the few samples that decide otherwise and, of each, the nearest other."""
     sides: tuple[list[Point], list[Point]] = ([], [])
-    for value, point in found:
+    for value, point in pairs:
         sides[holds(value)].append(point)
     few, others = sorted(sides, key=len)
     if not 0 < len(few) < FEW or all(one.values for one in inputs):  # a list of readings has nothing between them
@@ -298,15 +298,15 @@ def _around_the_few(
 
 def _crossing(
     inputs: Sequence[Plausible],
-    found: Sequence[Pair],
+    pairs: Sequence[Pair],
     holds: Holds,
     admissible: Callable[[Mapping], bool] | None,
     width: float,
     parts: int,
 ) -> Asking[list[tuple[Pair, Pair]]]:
     """Join the nearest pair of different outcomes one input at a time and bisect the input that turns it."""
-    good = [pair for pair in found if holds(pair[0])]
-    bad = [pair for pair in found if not holds(pair[0])]
+    good = [pair for pair in pairs if holds(pair[0])]
+    bad = [pair for pair in pairs if not holds(pair[0])]
     for i, j in nearest(inputs, [point for _, point in good], [point for _, point in bad])[:_MOST_PAIRS]:
         path = yield from _turn(inputs, good[i], bad[j], holds, admissible, parts - 1)
         if path is None:

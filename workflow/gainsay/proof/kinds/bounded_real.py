@@ -25,10 +25,10 @@ FOUND = ()
 def systems(scope: Scope, names: tuple[str, ...]) -> list[tuple[Matrix, ...]]:
     """Vertices of a system: every matrix that has one vertex is shared by all."""
     lists = [vertices(scope, name) for name in names]
-    count = max(len(found) for found in lists)
-    if any(len(found) not in (1, count) for found in lists):
+    count = max(len(matrices) for matrices in lists)
+    if any(len(matrices) not in (1, count) for matrices in lists):
         raise scope.fail("lists of vertices of different length")
-    return list(zip(*(found * count if len(found) == 1 else found for found in lists), strict=True))
+    return list(zip(*(matrices * count if len(matrices) == 1 else matrices for matrices in lists), strict=True))
 
 
 def prove(scope: Scope) -> list[Proved]:

@@ -69,10 +69,10 @@ class Size:
 
     def peak(self, since: int = 0) -> arb:
         """Peak from the beginning of a cell on."""
-        found = arb(0)
+        largest = arb(0)
         for peak in self.peaks[since:]:
-            found = found.max(peak)
-        return found
+            largest = largest.max(peak)
+        return largest
 
 
 @dataclass(frozen=True)
@@ -179,15 +179,15 @@ class Frame:
 
 def _poles(scope: Scope, F: fmpq_mat, rate: Fraction) -> tuple[acb, ...]:
     """Poles of F that are real or have a positive imaginary part: simple, and left of -rate."""
-    found: Any = F.charpoly().complex_roots()  # pairs of a root and its multiplicity
-    if any(count > 1 for _, count in found):
+    poles: Any = F.charpoly().complex_roots()  # pairs of a root and its multiplicity
+    if any(count > 1 for _, count in poles):
         raise scope.fail("a pole of F is multiple")
-    for pole, _ in found:
+    for pole, _ in poles:
         if not pole.real + _ball(rate) < 0:
             raise scope.fail(f"F + {to_text(rate)} I is not proved to be Hurwitz")
         if pole.imag != 0 and pole.imag.contains(0):
             raise scope.fail("a pole of F is neither real nor proved not to be")
-    return tuple(pole for pole, _ in found if pole.imag == 0 or pole.imag > 0)
+    return tuple(pole for pole, _ in poles if pole.imag == 0 or pole.imag > 0)
 
 
 def _exact(scope: Scope, value: Matrix, name: str, shape: tuple[int | None, int | None]) -> Matrix:
@@ -243,7 +243,7 @@ class Loop:
         starts = [fmpq_mat([[z0[i, j]] for i in range(z0.nrows())]) for j in range(z0.ncols())]
         gain = self.gain(self.decaying)
         driven = [gain * self.size(self.decaying, self.H, start).peak() for start in starts]
-        found = []
+        sizes = []
         for output in outputs:
             row, decay = self.row(output.row), (-_ball(self.frame.rate * output.since)).exp()
             through = self.size(self.decaying, row, self.G).integral
@@ -251,8 +251,8 @@ class Loop:
             worst = arb(0)
             for start, u in zip(starts, driven, strict=True):
                 worst = worst.max(decay * (self.size(self.decaying, row, start).peak(cell) + through * u))
-            found.append(worst)
-        return found
+            sizes.append(worst)
+        return sizes
 
     def forced(self, B: Matrix, w: Fraction, outputs: list[Output]) -> list[arb]:
         """Bound what a disturbance of at most w adds to each output from rest."""
@@ -285,14 +285,14 @@ def _outputs(scope: Scope, frame: Frame) -> list[Output]:
         or any(not isinstance(one, dict) or set(one) != {"of", "row", "from", "bound"} for one in raw)
     ):
         raise scope.fail("field 'outputs': expected a list of of, row, from and bound")
-    found = [
+    outputs = [
         Output(one["of"], scope.evaluate(one["row"]), scope.number(one["from"]), scope.number(one["bound"]))
         for one in raw
     ]
-    for output in found:
+    for output in outputs:
         if output.bound < 0 or not 0 <= output.since < frame.step * frame.cells:
             raise scope.fail(f"output {output.of!r}: expected a bound >= 0 from a time within the cells on")
-    return found
+    return outputs
 
 
 def prove(scope: Scope) -> list[Proved]:
@@ -302,7 +302,7 @@ def prove(scope: Scope) -> list[Proved]:
     frame = _frame(scope)
     outputs = _outputs(scope, frame)
     lists = [vertices(scope, name) for name in ("A", "Bd", "Cd")]
-    if len({len(found) for found in lists}) > 1:
+    if len({len(matrices) for matrices in lists}) > 1:
         raise scope.fail("fields 'A', 'Bd', 'Cd': expected lists of equal length")
     x0 = scope.evaluate(scope.field("x0"))
     for parts in zip(*lists, strict=True):
@@ -316,6 +316,6 @@ def prove(scope: Scope) -> list[Proved]:
             reach = [a + b for a, b in zip(reach, added, strict=True)]
         for output, most in zip(outputs, reach, strict=True):
             if upper(most) > output.bound:
-                found = f"at most {float(upper(most)):.6g}"
-                raise scope.fail(f"|{output.of}| <= {to_text(output.bound)} is not proved: {found}")
+                reached = f"at most {float(upper(most)):.6g}"
+                raise scope.fail(f"|{output.of}| <= {to_text(output.bound)} is not proved: {reached}")
     return [Proved(o.of, "inside", f"{to_text(-o.bound)}..{to_text(o.bound)}") for o in outputs]

@@ -51,8 +51,8 @@ def prove(scope: Scope) -> list[Proved]:
 
 
 def _stable(scale: fmpq | None) -> list[Proved]:
-    found = [Proved("stable", "holds")]
-    return found if scale is None else [*found, Proved("scale", "at_least", to_text(scale))]
+    proofs = [Proved("stable", "holds")]
+    return proofs if scale is None else [*proofs, Proved("scale", "at_least", to_text(scale))]
 
 
 def read_loop(scope: Scope) -> tuple[DelayedLoop, fmpq | None]:

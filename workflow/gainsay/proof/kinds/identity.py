@@ -66,10 +66,10 @@ def difference(scope: Scope) -> Matrix:
     scope.bind_indeterminates()
     scope.define()
     value = scope.evaluate(scope.field("left")) - scope.evaluate(scope.field("right"))
-    found = [scope.evaluate(text) for text in relations(scope)]
+    matrices = [scope.evaluate(text) for text in relations(scope)]
     if value.ring != POLYNOMIAL:
         return value
-    for relation in found:
+    for relation in matrices:
         if relation.ring != POLYNOMIAL or not relation.is_number or relation.entry(0, 0) == 0:
             raise scope.fail("field 'modulo': expected formulas in the indeterminates that are numbers and not zero")
         value = Matrix([[reduced(x, relation.entry(0, 0)) for x in row] for row in value.rows()])

@@ -138,8 +138,8 @@ def prove(scope: Scope) -> list[Proved]:
     if name not in [defined for defined, _ in scope.certificate.definitions]:
         raise scope.fail(f"field 'level': {name!r} is not a definition")
     scope.define()
-    found = [Proved("level", "at_least", to_text(scope.number(name)))]
+    proofs = [Proved("level", "at_least", to_text(scope.number(name)))]
     for part, kind, fields in _parts(scope):
         for p in _part(scope, part, kind, fields):
-            found.append(Proved(f"{part}.{p.of}", p.relation, p.value))
-    return found
+            proofs.append(Proved(f"{part}.{p.of}", p.relation, p.value))
+    return proofs

@@ -55,7 +55,7 @@ def prove(scope: Scope) -> list[Proved]:
     if a.shape[0] != a.shape[1]:
         raise scope.fail(f"matrix of shape {a.shape}: an eigenvalue needs a square one")
     real, imaginary = scope.number(scope.field("real")), scope.number(scope.field("imaginary"))
-    found = distance(a, acb(arb(to_fmpq(real)), arb(to_fmpq(imaginary))))
-    if not found > 0:
+    gap = distance(a, acb(arb(to_fmpq(real)), arb(to_fmpq(imaginary))))
+    if not gap > 0:
         raise scope.fail("s I - A is not proved regular")
-    return [Proved("eigenvalue", "fails"), Proved("distance", "at_least", to_text(decimal_below(lower(found), 12)))]
+    return [Proved("eigenvalue", "fails"), Proved("distance", "at_least", to_text(decimal_below(lower(gap), 12)))]

@@ -56,13 +56,13 @@ def square(case: Case, results: Results) -> None:
 @task("Section 4")
 def over_missing_inputs(case: Case, results: Results) -> None:
     """What is said of Figure 1, over every plausible value of the initial rate that the paper leaves out."""
-    for found in scans(
+    for scan in scans(
         case,
         ["run.settling", "run.torque"],
         [plausible(case, "rate0")],
         lambda point: numbers(case, respond(case, point["rate0"])),
     ):
-        results.scan(found)
+        results.scan(scan)
 
 
 TASKS = (poles, torque_gain, square, over_missing_inputs)

@@ -17,11 +17,11 @@ def respond(case: Case, rate0: float, steps: int = 300) -> Response:
     return Response(loop, np.array([case.number("angle0"), rate0]), case.number("horizon"), steps)
 
 
-def numbers(case: Case, found: Response) -> dict[str, float]:
+def numbers(case: Case, response: Response) -> dict[str, float]:
     """Return what is said of a response, by ids in quantities.csv."""
     angle, torque = np.array([1.0, 0.0]), -case.matrix("K")[0]
     return {
-        "run.settling": found.last_above(angle, SETTLED),
-        "run.final_angle": abs(float(found.states[-1, 0])),
-        "run.torque": abs(found.peak(torque).value),
+        "run.settling": response.last_above(angle, SETTLED),
+        "run.final_angle": abs(float(response.states[-1, 0])),
+        "run.torque": abs(response.peak(torque).value),
     }

@@ -174,12 +174,12 @@ def _near_the_least(
     if sample is not None:
         require_sample(sample)
     gamma, discrete, label = scalar("gamma"), sample is not None, "H-infinity synthesis"
-    found = infimum(Program(minimise=gamma, subject_to=_bounded_real_lemma(loop, gamma, discrete), label=label))
-    if not isinstance(found, Infimum):
-        raise ComputationError(label, f"least gamma: {type(found).__name__.lower()}", found.attempts)
+    optimum = infimum(Program(minimise=gamma, subject_to=_bounded_real_lemma(loop, gamma, discrete), label=label))
+    if not isinstance(optimum, Infimum):
+        raise ComputationError(label, f"least gamma: {type(optimum).__name__.lower()}", optimum.attempts)
     attempts = []
     for room in _ROOMS:
-        level = found.upper + room * max(abs(found.upper), 1e-12)
+        level = optimum.upper + room * max(abs(optimum.upper), 1e-12)
         point = solve(Program(subject_to=_bounded_real_lemma(loop, level, discrete), label=label))
         if not isinstance(point, Solved):
             attempts.append({"gamma": level, "outcome": type(point).__name__})
@@ -191,6 +191,6 @@ def _near_the_least(
             attempts.append({"gamma": level, "error": str(error)})
             continue
         if norm.upper <= level:
-            return Synthesis(controller, norm, max(found.lower, 0.0))
+            return Synthesis(controller, norm, max(optimum.lower, 0.0))
         attempts.append({"gamma": level, "norm": norm.upper})
     raise ComputationError(label, "no controller keeps the norm of the inequality", attempts)
