@@ -10,11 +10,11 @@ from scipy.integrate import solve_ivp
 from gainsay.dynamics import attitude
 from gainsay.exact.ball import ball, hull, lower, precision, upper
 from gainsay.results import Results, task
+from gainsay.scans import over_choice
 from gainsay.systems import loop_proofs
 from gainsay.systems.norms import hinf_enclosure
 from gainsay.systems.regions import Disk, HalfPlane
 from gainsay.tables import Case
-from gainsay.verdicts.choices import over_choice
 from papers.li2021 import derivations_identities as identities
 from papers.li2021 import plant
 from papers.li2021.audit_draws import random_gains

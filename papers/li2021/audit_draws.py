@@ -3,8 +3,8 @@
 import numpy as np
 
 from gainsay.results import Results, task
+from gainsay.scans import over_choice
 from gainsay.tables import Case
-from gainsay.verdicts.choices import over_choice
 from papers.li2021 import plant, response
 from papers.li2021.response import FlexibleLoop
 

@@ -7,10 +7,10 @@
 import numpy as np
 
 from gainsay.results import Results, task
+from gainsay.scans import over_choice
 from gainsay.statements import Stated, Step, implication, matrix, prove
 from gainsay.systems import loop_proofs
 from gainsay.tables import Case
-from gainsay.verdicts.choices import over_choice
 from papers.li2021 import plant
 from papers.li2021.statements import EQ12, EQ12_CORRECTED, LOOP, TABLES
 

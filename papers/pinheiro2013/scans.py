@@ -17,8 +17,8 @@ import numpy as np
 from gainsay.errors import ComputationError
 from gainsay.exact.digits import PrintedNumber
 from gainsay.results import Results, task
+from gainsay.scans import Plausible, plausible, scan
 from gainsay.tables import Case
-from gainsay.verdicts.scan import Plausible, plausible, scan
 from papers.pinheiro2013 import conditions as mixed
 from papers.pinheiro2013.scans_studies import LEVELS, Designs, Study, gains_of
 

@@ -8,10 +8,10 @@ import scipy
 
 from gainsay.errors import ComputationError
 from gainsay.results import Results, task
+from gainsay.scans import corners, plausible, sample, scans
 from gainsay.simulation.batch import Segment, polished_crossing, polished_peak, segments
 from gainsay.simulation.ode import Trajectory, largest, last_crossing
 from gainsay.tables import Case
-from gainsay.verdicts.scan import corners, plausible, sample, scans
 from papers.wan2014.plant import ESTIMATE, POSITION, VELOCITY, ClosedLoop
 
 #: the transient in which the largest thrust falls whatever the start, s

@@ -3,8 +3,8 @@
 from functools import partial
 
 from gainsay.results import Results, task
+from gainsay.scans import plausible, scans
 from gainsay.tables import Case
-from gainsay.verdicts.scan import plausible, scans
 from papers.zhang2013 import response as flight
 
 SCANNED = (

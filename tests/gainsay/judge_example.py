@@ -3,11 +3,11 @@
 from fractions import Fraction
 from typing import get_args
 
+from gainsay.scans.outcome import outcome
 from gainsay.tables.lint import PROVED
 from gainsay.tables.models import Claim, Kind, Quantity
 from gainsay.verdicts.evidence import ComputedQuantity, Concluded, Evidence
 from gainsay.verdicts.judge import judge
-from gainsay.verdicts.outcome import outcome
 
 SAMPLED = sorted(set(get_args(Kind)) - PROVED - {"remark"})
 

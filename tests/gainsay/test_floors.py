@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "workflow" / "gainsay"
 #: from the ground up; what stands together may import each other
 FLOORS = (
-    ("errors",), ("exact",), ("tables",), ("results",), ("proof",), ("lmi",), ("statements",), ("systems",),
+    ("errors",), ("exact",), ("tables",), ("results",), ("scans",), ("proof",), ("lmi",), ("statements",), ("systems",),
     ("dynamics",), ("simulation",), ("logs",), ("figures",), ("verdicts",), ("campaigns",), ("report",),
     ("steps", "cli", "bench", "rules", "scaffold", "__main__"),
 )  # fmt: skip

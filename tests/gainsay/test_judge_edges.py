@@ -10,13 +10,13 @@ from gainsay.errors import InputError
 from gainsay.proof import build
 from gainsay.results import Results
 from gainsay.results.listing import LISTING_COLUMNS
+from gainsay.scans import Plausible, corners, plausible, scan
+from gainsay.scans.outcome import outcome, read_scans
+from gainsay.scans.ranges import readings
 from gainsay.steps.verdicts import verdicts
 from gainsay.tables.files import write_csv, write_json
 from gainsay.verdicts.differences import differences, scan_differences
 from gainsay.verdicts.evidence import read_evidence
-from gainsay.verdicts.outcome import outcome, read_scans
-from gainsay.verdicts.plausible import corners, plausible, readings
-from gainsay.verdicts.scan import Plausible, scan
 from tests.gainsay.judge_example import Tables, at_most, claim, evidence, judge, number, verdict
 
 X, WORD = Plausible("x", "m", 0.0, 1.0), Plausible("word", values=("small", "large"))

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
+from gainsay.scans.outcome import outcome
 from gainsay.tables.sentences import of_sentence, worst
 from gainsay.verdicts.evidence import Evidence
 from gainsay.verdicts.judge import judge
-from gainsay.verdicts.outcome import outcome
 from tests.gainsay.judge_example import Tables, at_least, at_most, claim, evidence, number, scans, verdict
 
 # --- thresholds that the paper does not print -------------------------------------------------------------------------

@@ -6,13 +6,12 @@ import pytest
 
 from gainsay.errors import InputError
 from gainsay.results import Results, run_tasks, task
+from gainsay.scans import plausible, scan
 from gainsay.tables.files import read_records
 from gainsay.tables.lint import _claim_faults
 from gainsay.tables.models import RecordedRead
 from gainsay.tables.reads import recording
-from gainsay.verdicts.plausible import plausible
 from gainsay.verdicts.record import reads_of
-from gainsay.verdicts.scan import scan
 from tests.gainsay.judge_example import claim as example
 
 CLAIM = example("at_most", "2", quantity="audit.length", statement="at most 2 m")

@@ -21,6 +21,7 @@ from gainsay.report import read_results
 from gainsay.report.page import render_paper
 from gainsay.results import Results
 from gainsay.results.returned import read_returned
+from gainsay.scans import Plausible, Scan
 from gainsay.steps.between import between
 from gainsay.steps.check import check
 from gainsay.steps.compare import compare
@@ -31,9 +32,7 @@ from gainsay.steps.verdicts import verdicts
 from gainsay.tables import read_case
 from gainsay.tables.designs import FoundDesign, write_design
 from gainsay.tables.files import read_records, write_atomically
-from gainsay.verdicts.plausible import Plausible
 from gainsay.verdicts.record import record_paper
-from gainsay.verdicts.scan import Scan
 from tests.gainsay.table_damage import BYTES, PLACES, TEXTS, in_json
 
 TOY = runpy.run_path(str(Path(__file__).parents[1] / "conftest.py"))["TOY"]

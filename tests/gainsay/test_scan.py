@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gainsay.errors import ComputationError, InputError
+from gainsay.scans import Plausible, corners, fractions, sample, scan, scans
+from gainsay.scans.outcome import outcome
+from gainsay.scans.ranges import readings
 from gainsay.tables.models import Claim
-from gainsay.verdicts.outcome import outcome
-from gainsay.verdicts.plausible import readings
-from gainsay.verdicts.scan import Plausible, corners, fractions, sample, scan, scans
 
 X = Plausible("x", "m", 0.0, 10.0)
 Y = Plausible("y", "1", 0.01, 100.0, logarithmic=True)

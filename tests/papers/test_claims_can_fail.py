@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from gainsay.scans.criterion import NUMERIC, criteria
+from gainsay.scans.outcome import outcome
 from gainsay.tables import paper_names, read_case
 from gainsay.tables.lint import PROVED
-from gainsay.verdicts.criterion import NUMERIC, criteria
 from gainsay.verdicts.evidence import ComputedQuantity, Concluded, Evidence
 from gainsay.verdicts.judge import judge
-from gainsay.verdicts.outcome import outcome
 
 ROOT = Path(__file__).parents[2]
 CASES = {paper: read_case(ROOT, paper) for paper in paper_names(ROOT)}

@@ -12,11 +12,11 @@ from scipy.linalg import block_diag
 
 from gainsay.errors import CertificateError
 from gainsay.proof import Certificate
+from gainsay.scans.criterion import NUMERIC, criteria
 from gainsay.systems.delay_spectrum import hinf_norm as delayed_norm
 from gainsay.systems.delay_spectrum import spectral_abscissa, unstable_root_count
 from gainsay.systems.norms import h2_norm, hinf_norm
 from gainsay.tables import Case, read_case
-from gainsay.verdicts.criterion import NUMERIC, criteria
 from papers.pinheiro2013 import audit, scans, scans_studies
 from papers.pinheiro2013 import conditions as mixed
 from papers.pinheiro2013 import conditions_pitch as pitch

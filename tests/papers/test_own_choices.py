@@ -18,12 +18,12 @@ import numpy as np
 import pytest
 
 from gainsay.results import Results, run_tasks
+from gainsay.scans.outcome import outcome, outcomes, read_scans
 from gainsay.tables import paper_names, read_case
 from gainsay.tables.lint import PROVED
 from gainsay.tables.models import Claim
 from gainsay.verdicts.evidence import ComputedQuantity, Concluded, Evidence
 from gainsay.verdicts.judge import Judgement, judge
-from gainsay.verdicts.outcome import outcome, outcomes, read_scans
 from papers.li2021 import plant as satellite
 from papers.li2021 import response
 from papers.wan2014 import proofs_two_body as two_body

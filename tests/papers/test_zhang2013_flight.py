@@ -13,10 +13,10 @@ from gainsay.errors import CertificateError, InputError
 from gainsay.logs import LogWriter, read_log
 from gainsay.logs.check import layout_problems
 from gainsay.proof.build import finish
+from gainsay.scans.criterion import criteria
 from gainsay.simulation.delay import DelayLaw
 from gainsay.systems.delay_spectrum import spectral_abscissa, unstable_root_count
 from gainsay.tables import Case, read_case
-from gainsay.verdicts.criterion import criteria
 from papers.zhang2013 import proofs, runs, scans
 from papers.zhang2013 import response as flight
 from papers.zhang2013.figures import FIGURES

@@ -2,10 +2,10 @@
 
 from gainsay.proof import build
 from gainsay.results import Results, task
+from gainsay.scans import plausible, scans
 from gainsay.systems.loop_proofs import abscissa
 from gainsay.systems.norm_proofs import prove_norm
 from gainsay.tables import Case
-from gainsay.verdicts.scan import plausible, scans
 from papers.double_integrator.plant import LOOP, numbers, respond
 
 

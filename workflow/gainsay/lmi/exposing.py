@@ -106,9 +106,9 @@ def _near(
             continue
         factors = _polished(scaled, constraints, factors, right)
         for snap in _SNAPS:
-            found = _snapped_face(scaled, constraints, factors, snap, right)
-            if found is not None:
-                yield found
+            face = _snapped_face(scaled, constraints, factors, snap, right)
+            if face is not None:
+                yield face
                 break
 
 

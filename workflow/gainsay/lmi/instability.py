@@ -109,8 +109,8 @@ def refutation(program: Program) -> Farkas | None:
         if row.is_matrix:
             positive, equal = _pieces(row), _runs(row)
             known = {place: _part(row, slice(*place)) for place in {*positive, *equal}}
-            for found, places in ((parts, positive), (runs, equal)):
-                found += [part for place in places if (part := known[place]) is not None]
+            for listed, places in ((parts, positive), (runs, equal)):
+                listed += [part for place in places if (part := known[place]) is not None]
     for run in runs:
         for stated in _completed(run, parts):
             for basis in _positives(stated, parts):

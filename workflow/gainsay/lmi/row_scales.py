@@ -32,14 +32,14 @@ def region_scales(value: np.ndarray, basis: np.ndarray) -> np.ndarray:
 
 def _columns(basis: np.ndarray) -> list[dict[int, list[tuple[int, float]]]]:
     """For every column of P and every row: unknowns whose P_k has one entry in the column, there, and the entry."""
-    found: list[dict[int, list[tuple[int, float]]]] = []
+    columns: list[dict[int, list[tuple[int, float]]]] = []
     for j in range(len(basis)):
         by_row: dict[int, list[tuple[int, float]]] = {}
         for k in np.flatnonzero(np.count_nonzero(basis[:, j], axis=0) == 1):
             r = int(np.flatnonzero(basis[:, j, k])[0])
             by_row.setdefault(r, []).append((int(k), float(basis[r, j, k])))
-        found.append(by_row)
-    return found
+        columns.append(by_row)
+    return columns
 
 
 def _ratios(value: np.ndarray, basis: np.ndarray, columns: list[dict[int, list[tuple[int, float]]]]) -> np.ndarray:

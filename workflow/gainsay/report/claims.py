@@ -21,11 +21,11 @@ from gainsay.report.wording import (
     recomputed_value,
     turning_point,
 )
+from gainsay.scans.outcome import Outcome
 from gainsay.tables import Case
 from gainsay.tables.models import VERDICTS, Claim
 from gainsay.tables.sentences import of_sentence, sentences
 from gainsay.tables.units import to_si
-from gainsay.verdicts.outcome import Outcome
 
 #: order in which a reader wants them: what broke and what does not hold come first
 ORDER = ("failed", "contradicted", "undetermined", "undecided", "reproduced", "uncheckable")

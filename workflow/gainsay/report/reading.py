@@ -10,9 +10,9 @@ from typing import Any
 from gainsay.errors import InputError
 from gainsay.report.certificates import CertificateFile, read_certificate
 from gainsay.results.returned import read_returned
+from gainsay.scans.outcome import Outcome, outcomes, read_scans
 from gainsay.tables import Case
 from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
-from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 from gainsay.verdicts.published import PUBLISHED_COLUMNS
 
 _LENGTH = r'="(\d+(?:\.\d+)?)[a-z]*"'

@@ -8,10 +8,10 @@ from markupsafe import Markup, escape
 from gainsay.report.numbers import digits_apart, number, span, typeset, with_unit
 from gainsay.report.reading import PaperResults, Row
 from gainsay.report.sentences import listed, said
+from gainsay.scans.outcome import Outcome
 from gainsay.tables import Case
 from gainsay.tables.models import Claim
 from gainsay.tables.units import to_si
-from gainsay.verdicts.outcome import Outcome
 
 __all__ = [
     "condition",

@@ -42,19 +42,19 @@ def _sides(edition: Statement, cell: Cell, place: Place) -> tuple[str, str]:
 
 def _spelled(texts: Sequence[tuple[str, _Differing]], several: bool) -> str:
     """Sentence of texts and where they stand, those that are alike said once."""
-    said = []
+    sentences = []
     for text in dict.fromkeys(text for text, _ in texts):
         cells = [cell for other, cell in texts if other == text]
         if text.startswith("no "):
-            said.append(text)
+            sentences.append(text)
             continue
         places = list(dict.fromkeys(cell.place for cell in cells if cell.blocks))
         equations = list(dict.fromkeys(cell.equation for cell in cells if several or not cell.blocks))
         blocks = " and ".join(f"({i},{j})" for i, j in places)
         where = f" in block{'s' if len(places) > 1 else ''} {blocks}" if places else ""
         of = f" {'of' if places else 'in'} {' and '.join(equations)}" if equations else ""
-        said.append(f"{text}{where}{of}")
-    return ", ".join(said)
+        sentences.append(f"{text}{where}{of}")
+    return ", ".join(sentences)
 
 
 def _named(named: str, editions: Mapping[str, Statement]) -> Iterator[_Differing]:
@@ -116,10 +116,10 @@ def corrections(named: Iterable[str], editions: Iterable[Statement]) -> list[str
     editions : iterable of Statement
     """
     known = {edition.label: edition for edition in editions}
-    said = {(cell.equation, cell.place) for text in named if text for cell in _named(text, known)}
+    places = {(cell.equation, cell.place) for text in named if text for cell in _named(text, known)}
     return [
         f"{edition.label}: ({cell.place[0]},{cell.place[1]})"
         for edition in known.values()
         for cell in _cells(edition)
-        if (cell.equation, cell.place) not in said
+        if (cell.equation, cell.place) not in places
     ]

@@ -1,1 +1,1 @@
-"""Verdicts on claims, from tables and evidence alone; scans over what a paper leaves out."""
+"""Verdicts on claims, from tables and evidence alone, and the record."""

@@ -8,8 +8,8 @@ from gainsay.errors import CertificateError
 from gainsay.exact.digits import double
 from gainsay.proof import check, read_certificate
 from gainsay.results.returned import UNDECIDED, read_part
+from gainsay.scans.outcome import Outcome, outcomes, read_scans
 from gainsay.tables import Case
-from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 
 
 @dataclass(frozen=True)

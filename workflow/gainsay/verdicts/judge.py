@@ -8,14 +8,14 @@ from typing import Any
 
 from gainsay.exact.digits import PrintedNumber
 from gainsay.results.returned import FROM_DIGITS
+from gainsay.scans.criterion import criteria
+from gainsay.scans.outcome import Outcome
 from gainsay.tables import Case
 from gainsay.tables.lint import PROVED, given_of
 from gainsay.tables.models import Claim
 from gainsay.tables.sentences import of_sentence
 from gainsay.tables.units import to_si
-from gainsay.verdicts.criterion import criteria
 from gainsay.verdicts.evidence import Evidence, Found
-from gainsay.verdicts.outcome import Outcome
 
 #: kinds that a number alone does not decide, and what it needs
 _BOUNDED = {"trajectory": "a numerical error bound", "parameter": "an enclosure", "gain": "an enclosure"}

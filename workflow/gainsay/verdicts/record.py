@@ -7,11 +7,11 @@ from typing import Any
 from gainsay.errors import ComputationError, GainsayError
 from gainsay.proof import formulas_digest, read_certificate
 from gainsay.results.returned import read_part, read_returned
+from gainsay.scans.outcome import Outcome, outcomes, read_scans
 from gainsay.tables import Case
 from gainsay.tables.files import cell, write_csv
 from gainsay.tables.models import Recorded, RecordedCertificate, RecordedRead, RecordedScan, Toleranced, columns
 from gainsay.tables.units import with_unit
-from gainsay.verdicts.outcome import Outcome, outcomes, read_scans
 from gainsay.verdicts.tolerance import ROUNDING, decimal_above, proposed
 
 

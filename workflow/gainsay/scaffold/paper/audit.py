@@ -1,11 +1,11 @@
 """What the printed gain does, whatever the paper's LMIs say."""
 
 from gainsay.results import Results, task
+from gainsay.scans import plausible, scans
 from gainsay.statements import differing, identical
 from gainsay.systems.loop_proofs import abscissa
 from gainsay.systems.norm_proofs import prove_norm
 from gainsay.tables import Case
-from gainsay.verdicts.scan import plausible, scans
 from papers.example.plant import LOOP
 from papers.example.response import numbers, respond
 

@@ -8,13 +8,13 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gainsay.errors import InputError
+from gainsay.scans.criterion import NUMERIC, Criterion, criteria
+from gainsay.scans.ranges import Plausible, Point, nearest
 from gainsay.tables import Case
 from gainsay.tables.files import read_json, short_path
 from gainsay.tables.models import Claim
 from gainsay.tables.reading import expectation
 from gainsay.tables.units import to_si
-from gainsay.verdicts.criterion import NUMERIC, Criterion, criteria
-from gainsay.verdicts.plausible import Plausible, Point, nearest
 
 Pair = tuple[float, Point]
 #: how far outside its range, as a share of it, rounding may put the end of an input

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from gainsay.results import Results
-from gainsay.verdicts.scan import Scan, plausible, scan
+from gainsay.scans.ranges import plausible
+from gainsay.scans.sampling import Scan, scan
 
 
 def over_choice(

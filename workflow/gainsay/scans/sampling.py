@@ -18,10 +18,10 @@ from itertools import takewhile
 from typing import Any, TypeAlias, TypeVar
 
 from gainsay.errors import ComputationError, InputError, one_of
-from gainsay.verdicts.criterion import NUMERIC, criteria
-from gainsay.verdicts.plausible import Plausible, Point, corners, fractions, nearest, plausible, readings, sample
+from gainsay.scans.criterion import NUMERIC, criteria
+from gainsay.scans.ranges import Plausible, Point, corners, nearest, readings, sample
 
-__all__ = ["Plausible", "Point", "Scan", "corners", "fractions", "plausible", "sample", "scan", "scans"]
+__all__ = ["Scan", "scan", "scans"]
 
 #: fewest samples on which a verdict may rest
 LEAST_SAMPLES = 200
