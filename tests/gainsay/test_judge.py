@@ -11,7 +11,18 @@ from gainsay.tables.models import VERDICTS, Claim
 from gainsay.tables.sentences import SEVERITY
 from gainsay.verdicts.evidence import Concluded, Evidence
 from gainsay.verdicts.judge import contradictions, judge
-from tests.gainsay.judge_example import SAMPLED, Tables, at_least, at_most, claim, evidence, found, says, scans, verdict
+from tests.gainsay.judge_example import (
+    SAMPLED,
+    Tables,
+    at_least,
+    at_most,
+    claim,
+    evidence,
+    number,
+    says,
+    scans,
+    verdict,
+)
 
 # --- what is printed against what is computed -----------------------------------------------------------------------
 
@@ -28,11 +39,11 @@ from tests.gainsay.judge_example import SAMPLED, Tables, at_least, at_most, clai
     ],
 )
 def test_equal_means_within_half_a_unit_of_the_last_printed_digit(value, expected):
-    assert verdict(claim(), evidence(value=found(value))) == expected
+    assert verdict(claim(), evidence(value=number(value))) == expected
 
 
 def test_an_enclosure_across_the_edge_decides_nothing():
-    judged = judge(Tables(), claim(), evidence(value=found(1.5, 1.49, 1.5)), {})
+    judged = judge(Tables(), claim(), evidence(value=number(1.5, 1.49, 1.5)), {})
     assert judged.verdict == "undecided"
     assert (judged.range_low, judged.range_high) == (1.49, 1.5)
 
@@ -47,11 +58,11 @@ def test_an_enclosure_across_the_edge_decides_nothing():
     ],
 )  # fmt: skip
 def test_bounds_get_no_tolerance_from_their_digits(comparator, published, value, expected):
-    assert verdict(claim(comparator, published), evidence(value=found(value))) == expected
+    assert verdict(claim(comparator, published), evidence(value=number(value))) == expected
 
 
 def test_a_stated_tolerance_replaces_that_of_the_digits_and_is_in_the_claims_unit():
-    on = evidence(value=found(1540.0))
+    on = evidence(value=number(1540.0))
     # 1.50 km +- 0.05 km holds 1540 m; its digits alone, +- 5 m, do not
     assert verdict(claim(unit="km", tolerance="0.05"), on) == "reproduced"
     assert verdict(claim(unit="km"), on) == "contradicted"
@@ -61,19 +72,19 @@ def test_a_stated_tolerance_replaces_that_of_the_digits_and_is_in_the_claims_uni
 
 def test_half_a_unit_of_the_digits_is_in_the_claims_unit():
     # 1.50 km stands for 1495 .. 1505 m
-    assert verdict(claim(unit="km"), evidence(value=found(1504.0))) == "reproduced"
-    assert verdict(claim(unit="km"), evidence(value=found(1506.0))) == "contradicted"
+    assert verdict(claim(unit="km"), evidence(value=number(1504.0))) == "reproduced"
+    assert verdict(claim(unit="km"), evidence(value=number(1506.0))) == "contradicted"
 
 
 def test_units_are_converted_before_comparing():
-    on = evidence(value=found(math.pi), quantity="angle")
+    on = evidence(value=number(math.pi), quantity="angle")
     assert verdict(claim(published="180.0", unit="deg", quantity="angle"), on) == "reproduced"
     assert verdict(claim(published="3.1", unit="rad", quantity="angle"), on) == "reproduced"
     assert verdict(claim(published="180.0", unit="rad", quantity="angle"), on) == "contradicted"
 
 
 def test_a_contradiction_carries_its_witness():
-    judged = judge(Tables(), claim(), evidence(value=found(2.0)), {})
+    judged = judge(Tables(), claim(), evidence(value=number(2.0)), {})
     assert judged.witness == "q = 2.0 m"
     judged = judge(Tables(), claim("at_most", "1", "norm-bound"), evidence(at_least(2)), {})
     assert judged.verdict == "contradicted"
@@ -84,31 +95,31 @@ def test_a_contradiction_carries_its_witness():
 
 def test_a_trajectory_without_an_error_bound_has_no_verdict():
     of = claim("at_most", "40", "trajectory")
-    assert verdict(of, evidence(value=found(1.0))) == "failed"
-    assert verdict(of, evidence(value=found(1.0, 0.9))) == "failed"
-    assert verdict(of, evidence(value=found(1.0, 0.9, 1.1))) == "reproduced"
-    assert verdict(of, evidence(value=found(40.0, 39.9, 40.1))) == "undecided"
+    assert verdict(of, evidence(value=number(1.0))) == "failed"
+    assert verdict(of, evidence(value=number(1.0, 0.9))) == "failed"
+    assert verdict(of, evidence(value=number(1.0, 0.9, 1.1))) == "reproduced"
+    assert verdict(of, evidence(value=number(40.0, 39.9, 40.1))) == "undecided"
 
 
 @pytest.mark.parametrize("kind", ["parameter", "gain"])
 def test_a_printed_number_without_an_enclosure_has_no_verdict(kind):
     of = claim("equal", "1.50", kind)
-    assert verdict(of, evidence(value=found(1.5))) == "failed"
-    assert verdict(of, evidence(value=found(1.51))) == "failed"  # not contradicted on the noise of a solver either
-    assert verdict(of, evidence(value=found(1.5, 1.5, 1.5))) == "reproduced"
-    assert verdict(of, evidence(value=found(1.51, 1.509, 1.511))) == "contradicted"
+    assert verdict(of, evidence(value=number(1.5))) == "failed"
+    assert verdict(of, evidence(value=number(1.51))) == "failed"  # not contradicted on the noise of a solver either
+    assert verdict(of, evidence(value=number(1.5, 1.5, 1.5))) == "reproduced"
+    assert verdict(of, evidence(value=number(1.51, 1.509, 1.511))) == "contradicted"
 
 
 def test_the_rounding_of_printed_inputs_may_explain_a_printed_number():
     # 1.50 stands for 1.495 to 1.505: inputs that round as printed give 1.50 to 1.52, or 1.51 to 1.52
     digits = "printed digits: a product"
     of = claim("equal", "1.50", "parameter")
-    judged = judge(Tables(), of, evidence(value=found(1.51, 1.50, 1.52, digits)), {})
+    judged = judge(Tables(), of, evidence(value=number(1.51, 1.50, 1.52, digits)), {})
     assert judged.verdict == "reproduced"
     assert "rounding of the digits" in judged.note
-    assert verdict(of, evidence(value=found(1.51, 1.50, 1.52))) == "undecided"  # an error of ours explains nothing
-    assert verdict(of, evidence(value=found(1.515, 1.51, 1.52, digits))) == "contradicted"
-    assert verdict(claim("equal", "1.50", "ordering"), evidence(value=found(1.51, 1.50, 1.52, digits))) == "undecided"
+    assert verdict(of, evidence(value=number(1.51, 1.50, 1.52))) == "undecided"  # an error of ours explains nothing
+    assert verdict(of, evidence(value=number(1.515, 1.51, 1.52, digits))) == "contradicted"
+    assert verdict(claim("equal", "1.50", "ordering"), evidence(value=number(1.51, 1.50, 1.52, digits))) == "undecided"
 
 
 # --- proofs ---------------------------------------------------------------------------------------------------------
@@ -122,7 +133,7 @@ def test_the_rounding_of_printed_inputs_may_explain_a_printed_number():
 )  # fmt: skip
 def test_a_kind_that_needs_proof_gets_no_verdict_from_numbers_alone(kind, compared, value):
     # Law of the design: only an accepted certificate decides.
-    on = evidence(value=found(value, value, value), other=found(5.0, 5.0, 5.0))
+    on = evidence(value=number(value, value, value), other=number(5.0, 5.0, 5.0))
     assert verdict(claim(*compared, kind), on) == "undecided"
 
 
@@ -130,7 +141,7 @@ def test_a_kind_that_needs_proof_gets_no_verdict_from_numbers_alone(kind, compar
 def test_samples_never_prove(kind, values):
     of = claim("at_most", "1", kind)
     expected = "undetermined" if len(set(values)) == 2 else "undecided"
-    assert verdict(of, evidence(value=found(0.5), scans=scans(of, *values))) == expected
+    assert verdict(of, evidence(value=number(0.5), scans=scans(of, *values))) == expected
 
 
 @pytest.mark.parametrize(
@@ -165,9 +176,9 @@ def test_proved_numbers():
 
 def test_a_proof_is_named_and_stands_for_itself():
     # what was computed besides does not narrow what is proved
-    judged = judge(Tables(), claim("at_most", "2", kind="norm-bound"), evidence(at_most("1.9"), value=found(1.5)), {})
+    judged = judge(Tables(), claim("at_most", "2", kind="norm-bound"), evidence(at_most("1.9"), value=number(1.5)), {})
     assert (judged.verdict, judged.evidence, judged.range_high) == ("reproduced", "proved: theorem", 1.9)
-    judged = judge(Tables(), claim("at_most", "2"), evidence(at_most("1.9"), value=found(1.5, 1.4, 1.6)), {})
+    judged = judge(Tables(), claim("at_most", "2"), evidence(at_most("1.9"), value=number(1.5, 1.4, 1.6)), {})
     assert (judged.evidence, judged.range_high) == ("enclosed", 1.6)
 
 
@@ -176,7 +187,7 @@ def test_a_proof_is_named_and_stands_for_itself():
     [((1.4, 1.6), "enclosed"), ((1.4, None), "computed"), ((None, 1.6), "computed"), ((None, None), "computed")],
 )
 def test_a_number_is_enclosed_where_it_has_both_ends(ends, kind):
-    assert judge(Tables(), claim("at_most", "2"), evidence(value=found(1.5, *ends)), {}).evidence == kind
+    assert judge(Tables(), claim("at_most", "2"), evidence(value=number(1.5, *ends)), {}).evidence == kind
 
 
 @pytest.mark.parametrize("kind", ["parameter", "gain", "trajectory"])
@@ -219,16 +230,16 @@ def test_proofs_that_exclude_each_other_decide_nothing(kind, comparator, publish
 @pytest.mark.parametrize("kind", ["norm-bound", "figure", "ordering"])
 def test_a_number_outside_what_was_proved_of_it_decides_nothing(kind):
     # Proved at least 10, computed as 1: one of the two is wrong, so `at most 5` must not come out as anything.
-    assert verdict(claim("at_most", "5", kind), evidence(at_least(10), value=found(1.0))) == "failed"
-    assert verdict(claim("at_most", "5", kind), evidence(at_most(3), value=found(4.0))) == "failed"
-    assert verdict(claim("at_most", "5", kind), evidence(at_most(3), value=found(4.0, 2.9, 4.5))) == "reproduced"
-    assert verdict(claim("at_most", "5", kind), evidence(at_most(3), value=found(3.0 + 1e-12))) == "reproduced"
+    assert verdict(claim("at_most", "5", kind), evidence(at_least(10), value=number(1.0))) == "failed"
+    assert verdict(claim("at_most", "5", kind), evidence(at_most(3), value=number(4.0))) == "failed"
+    assert verdict(claim("at_most", "5", kind), evidence(at_most(3), value=number(4.0, 2.9, 4.5))) == "reproduced"
+    assert verdict(claim("at_most", "5", kind), evidence(at_most(3), value=number(3.0 + 1e-12))) == "reproduced"
 
 
 def test_a_computed_truth_value_that_the_certificate_denies():
     of = claim("holds", "", "identity", quantity="flag", unit="1")
-    assert verdict(of, evidence(says("holds"), value=found(0.0), quantity="flag")) == "failed"
-    assert verdict(of, evidence(says("holds"), value=found(1.0), quantity="flag")) == "reproduced"
+    assert verdict(of, evidence(says("holds"), value=number(0.0), quantity="flag")) == "failed"
+    assert verdict(of, evidence(says("holds"), value=number(1.0), quantity="flag")) == "reproduced"
 
 
 # --- order, scans, joined claims, remarks ---------------------------------------------------------------------------
@@ -237,9 +248,9 @@ def test_a_computed_truth_value_that_the_certificate_denies():
 @pytest.mark.parametrize(
     ("value", "other", "expected"),
     [
-        (found(1.0), found(2.0), "reproduced"), (found(2.0), found(2.0), "contradicted"),
-        (found(3.0), found(2.0), "contradicted"), (found(1.0, 0.5, 1.5), found(1.6, 1.4, 1.8), "undecided"),
-        (found(1.0), None, "failed"), (None, found(1.0), "failed"),
+        (number(1.0), number(2.0), "reproduced"), (number(2.0), number(2.0), "contradicted"),
+        (number(3.0), number(2.0), "contradicted"), (number(1.0, 0.5, 1.5), number(1.6, 1.4, 1.8), "undecided"),
+        (number(1.0), None, "failed"), (None, number(1.0), "failed"),
     ],
 )  # fmt: skip
 def test_less_than_is_strict_and_needs_both(value, other, expected):
@@ -263,7 +274,7 @@ def test_proved_order():
 )
 def test_a_scan_decides_over_the_plausible_inputs(kind, values, expected):
     of = claim("at_most", "2", kind)
-    judged = judge(Tables(), of, evidence(value=found(values[0]), scans=scans(of, *values)), {})
+    judged = judge(Tables(), of, evidence(value=number(values[0]), scans=scans(of, *values)), {})
     assert (judged.verdict, judged.range_low) == (expected, values[0])
     assert judged.range_high == (None if values[1] == math.inf else values[1])
 
@@ -283,7 +294,7 @@ def test_a_scan_counts_by_the_claims_own_rule(comparator, published, values, hol
 def test_a_scan_that_our_own_filling_denies_decides_nothing(value, own):
     # The value computed at the assumed inputs is one plausible value more.
     of = claim("at_most", "2", "ordering")
-    assert verdict(of, evidence(value=found(own), scans=scans(of, value))) == "failed"
+    assert verdict(of, evidence(value=number(own), scans=scans(of, value))) == "failed"
 
 
 @given(st.lists(st.sampled_from(VERDICTS), min_size=1, max_size=6), st.randoms())
@@ -305,7 +316,7 @@ def replace_quantity(of: Claim, names: list[str]) -> Claim:
 
 
 def test_a_remark_is_uncheckable_whatever_was_computed():
-    assert verdict(claim("", "", "remark"), evidence(at_most(1), value=found(1.0))) == "uncheckable"
+    assert verdict(claim("", "", "remark"), evidence(at_most(1), value=number(1.0))) == "uncheckable"
 
 
 def test_what_was_not_computed_has_failed_and_says_why():
@@ -325,11 +336,11 @@ def test_what_is_computed_and_proved_on_neither_side_is_undecided_and_says_how_f
     assert verdict(of, on) == "reproduced"
     # a certificate that the checker refuses is our own trouble
     lost = {"refused": {"bad": "not proved"}, "lost": {"q": ["bad"]}}
-    judged = judge(Tables(), of, evidence(value=found(1.0), **lost), {})
+    judged = judge(Tables(), of, evidence(value=number(1.0), **lost), {})
     assert (judged.verdict, judged.certificate, judged.note) == ("failed", "bad", "refused: not proved")
     # a step that broke is no limit of the method
     broke = [{"step": "audit", "where": "(3)", "task": "t", "message": "broke"}]
-    assert verdict(of, evidence(value=found(1.0), failures=broke)) == "failed"
+    assert verdict(of, evidence(value=number(1.0), failures=broke)) == "failed"
 
 
 # --- laws -----------------------------------------------------------------------------------------------------------
@@ -346,7 +357,7 @@ def test_widening_the_tolerance_never_turns_reproduced_into_anything_else(
     comparator, published, value, a, b, width, kind
 ):
     small, large = sorted(PrintedNumber(f"{x:.6f}").value for x in (a, b))
-    on = evidence(value=found(value, value - abs(width) / 100, value + abs(width) / 100))
+    on = evidence(value=number(value, value - abs(width) / 100, value + abs(width) / 100))
     texts = [f"{float(x):.6f}" for x in (small, large)]
     narrow, wide = (verdict(claim(comparator, f"{published:.3f}", kind, tolerance=t), on) for t in texts)
     rank = {"contradicted": 0, "undecided": 1, "reproduced": 2}
@@ -359,14 +370,14 @@ def test_narrowing_the_enclosure_never_reverses_a_verdict(published, value, inne
     # Law of intervals: what holds for all of a set holds for all of a part of it.
     inner, outer = sorted((inner, outer))
     of = claim(comparator, f"{published:.3f}")
-    wide = verdict(of, evidence(value=found(value, value - outer, value + outer)))
-    narrow = verdict(of, evidence(value=found(value, value - inner, value + inner)))
+    wide = verdict(of, evidence(value=number(value, value - outer, value + outer)))
+    narrow = verdict(of, evidence(value=number(value, value - inner, value + inner)))
     assert wide in ("undecided", narrow)
 
 
 @given(NUMBERS, NUMBERS)
 def test_at_most_and_at_least_exclude_each_other_off_the_bound(published, value):
-    on = evidence(value=found(value))
+    on = evidence(value=number(value))
     both = {verdict(claim(c, f"{published:.3f}"), on) for c in ("at_most", "at_least")}
     assert both == (
         {"reproduced"} if Fraction(value) == PrintedNumber(f"{published:.3f}").value else {"reproduced", "contradicted"}
@@ -379,12 +390,12 @@ def test_at_most_and_at_least_exclude_each_other_off_the_bound(published, value)
 @pytest.mark.parametrize(
     ("on", "said"),
     [
-        (evidence(says("fails"), value=found(1.0)), "the certificate cert says that it fails"),
-        (evidence(says("holds"), value=found(0.0)), "the certificate cert says that it holds"),
-        (evidence(says("holds"), value=found(0.5)), "written as 0.5"),
+        (evidence(says("fails"), value=number(1.0)), "the certificate cert says that it fails"),
+        (evidence(says("holds"), value=number(0.0)), "the certificate cert says that it holds"),
+        (evidence(says("holds"), value=number(0.5)), "written as 0.5"),
         (evidence(says("holds", "one"), says("fails", "two")), "one two"),
         (
-            evidence(at_most("1.5", "above"), value=found(1.6)),
+            evidence(at_most("1.5", "above"), value=number(1.6)),
             "written as 1.6, outside of what certificates prove: above",
         ),
         (evidence(at_least(2, "low"), at_most("1.5", "high")), "low high"),
@@ -398,11 +409,11 @@ def test_a_quantity_written_by_hand_against_its_certificate_is_a_contradiction(o
 @pytest.mark.parametrize(
     "on",
     [
-        evidence(says("holds"), value=found(1.0)),
+        evidence(says("holds"), value=number(1.0)),
         evidence(says("fails")),
-        evidence(at_most("1.5"), value=found(1.5)),
-        evidence(at_least("1.5"), at_most("1.5"), value=found(1.5000001)),  # rounding, as a verdict allows it
-        evidence(value=found(7.0)),
+        evidence(at_most("1.5"), value=number(1.5)),
+        evidence(at_least("1.5"), at_most("1.5"), value=number(1.5000001)),  # rounding, as a verdict allows it
+        evidence(value=number(7.0)),
         evidence(says("holds", "one"), says("fails", "two"), quantity=""),
     ],
 )

@@ -65,7 +65,7 @@ class Floats:
             self._take_over(before)
 
     def _names_with_unknowns(self) -> set[str]:
-        names, later = set(self.unknowns), set(self.definitions)
+        free, later = set(self.unknowns), set(self.definitions)
         for name, text in self.definitions.items():
             formulas.check_name(name)
             if name in self.unknowns:
@@ -74,9 +74,9 @@ class Floats:
             if names & later:
                 raise CertificateError(f"definition of {name!r}: {min(names & later)!r} is not defined before it")
             later.remove(name)
-            if names & names:
-                names.add(name)
-        return names
+            if names & free:
+                free.add(name)
+        return free
 
     def _names_in(self, text: str) -> frozenset[str]:
         """Names in a formula, looked for once however many programs follow each other."""

@@ -15,7 +15,7 @@ from gainsay.tables.lint import PROVED, given_of
 from gainsay.tables.models import Claim
 from gainsay.tables.sentences import of_sentence
 from gainsay.tables.units import to_si
-from gainsay.verdicts.evidence import Evidence, Found
+from gainsay.verdicts.evidence import ComputedQuantity, Evidence
 
 #: kinds that a number alone does not decide, and what it needs
 _BOUNDED = {"trajectory": "a numerical error bound", "parameter": "an enclosure", "gain": "an enclosure"}
@@ -76,7 +76,7 @@ def _missing(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
 
 def _unproved(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     """Judge what was computed and not proved: undecided, unless a computation of that step or a certificate broke."""
-    number, step = evidence.found.get(claim.quantity), case.quantities[claim.quantity].step
+    number, step = evidence.numbers.get(claim.quantity), case.quantities[claim.quantity].step
     lost = evidence.lost.get(claim.quantity) or evidence.lost.get("")
     if lost:
         return Judgement("failed", certificate=" ".join(lost), note=f"refused: {evidence.refused[lost[0]]}")
@@ -88,7 +88,7 @@ def _unproved(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
 def _judge_yes_or_no(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     """Judge what either holds or fails; only an accepted certificate decides."""
     conclusions = [c for c in evidence.concluded.get(claim.quantity, []) if c.relation in ("holds", "fails")]
-    number = evidence.found.get(claim.quantity)
+    number = evidence.numbers.get(claim.quantity)
     if not conclusions:
         return _unproved(case, claim, evidence)
     relations = {c.relation for c in conclusions}
@@ -118,7 +118,7 @@ def _decides(claim: Claim, scan: Outcome, evidence: Evidence) -> bool:
     return claim.kind not in PROVED or scan.outcome == "depends"
 
 
-def _judge_scan(claim: Claim, scan: Outcome, number: Found | None) -> Judgement:
+def _judge_scan(claim: Claim, scan: Outcome, number: ComputedQuantity | None) -> Judgement:
     """Judge a claim over the plausible values of what the paper leaves out.
 
     The value at our own filling is one plausible value more: it must bear out what the samples say.
@@ -141,7 +141,7 @@ def _judge_scan(claim: Claim, scan: Outcome, number: Found | None) -> Judgement:
     )
 
 
-def _kind_of_evidence(claim: Claim, number: Found | None) -> str:
+def _kind_of_evidence(claim: Claim, number: ComputedQuantity | None) -> str:
     """Name what a number rests on: an enclosure, a run with its error bound, or doubles alone."""
     if claim.kind == "trajectory" or (number is not None and number.source.startswith("logs/")):
         return "simulated"
@@ -149,12 +149,12 @@ def _kind_of_evidence(claim: Claim, number: Found | None) -> str:
     return "enclosed" if bounded else "computed"
 
 
-def _ends(number: Found) -> tuple[Fraction, Fraction]:
+def _ends(number: ComputedQuantity) -> tuple[Fraction, Fraction]:
     low, high = (Fraction(number.value if end is None else end) for end in (number.lower, number.upper))
     return low, high
 
 
-def _contradictory(low: Number, high: Number, number: Found | None) -> bool:
+def _contradictory(low: Number, high: Number, number: ComputedQuantity | None) -> bool:
     """Say whether proofs exclude each other, or what was computed lies outside them by more than rounding."""
     if low > high:
         return True
@@ -170,21 +170,21 @@ def contradictions(evidence: Evidence) -> Iterator[tuple[str, str]]:
     for quantity, concluded in evidence.concluded.items():
         if not quantity:
             continue  # certificates that conclude on none have nothing in common
-        found = evidence.found.get(quantity)
+        number = evidence.numbers.get(quantity)
         relations = {c.relation: c.certificate for c in concluded if c.relation in ("holds", "fails")}
         low, high, used = evidence.proved_range(quantity)
         if len(relations) > 1:
             yield quantity, f"certificates contradict each other: {' '.join(relations.values())}"
-        elif relations and found is not None and found.value != float("holds" in relations):
+        elif relations and number is not None and number.value != float("holds" in relations):
             relation, certificate = relations.popitem()
-            yield quantity, f"written as {found.value!r}, but the certificate {certificate} says that it {relation}"
-        elif used and _contradictory(low, high, found):
+            yield quantity, f"written as {number.value!r}, but the certificate {certificate} says that it {relation}"
+        elif used and _contradictory(low, high, number):
             names = " ".join(dict.fromkeys(c.certificate for c in used))
-            written = "" if found is None else f"written as {found.value!r}, "
+            written = "" if number is None else f"written as {number.value!r}, "
             yield quantity, f"{written}outside of what certificates prove: {names}"
 
 
-def _narrowed(low: Number, high: Number, number: Found | None) -> tuple[Number, Number]:
+def _narrowed(low: Number, high: Number, number: ComputedQuantity | None) -> tuple[Number, Number]:
     """Narrow a proved range by what was computed, in order even where rounding parts the two."""
     if number is None:
         return low, high
@@ -208,7 +208,7 @@ def _strict(claim: Claim, evidence: Evidence) -> bool:
 
 def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     """Judge a number by the range that its evidence gives it."""
-    number = evidence.found.get(claim.quantity)
+    number = evidence.numbers.get(claim.quantity)
     low, high, used = evidence.proved_range(claim.quantity)
     if number is None and not used:
         return _missing(case, claim, evidence)
@@ -283,7 +283,7 @@ def _one_is_enough(case: Case, claim: Claim, evidence: Evidence, judged: Judgeme
 
 def _judge_order(case: Case, claim: Claim, evidence: Evidence, low: Number, high: Number, shared: dict) -> Judgement:
     """Judge whether a quantity is less than another."""
-    other = evidence.found.get(claim.published)
+    other = evidence.numbers.get(claim.published)
     floor, ceiling, _ = evidence.proved_range(claim.published)
     if _contradictory(floor, ceiling, other):
         return Judgement("failed", note=f"the evidence on {claim.published} contradicts itself", **shared)
@@ -321,7 +321,7 @@ def judge(case: Case, claim: Claim, evidence: Evidence, verdicts: dict[str, str]
         return Judgement(joined, evidence="joined", witness=witness)
     scan = evidence.scans.get(claim.id)
     if scan is not None and _decides(claim, scan, evidence):
-        return _judge_scan(claim, scan, evidence.found.get(claim.quantity))
+        return _judge_scan(claim, scan, evidence.numbers.get(claim.quantity))
     given_up = evidence.undecided.get(claim.quantity)
     if given_up is not None and claim.quantity not in evidence.concluded:
         return Judgement("undecided", note=given_up)
