@@ -15,12 +15,15 @@ from gainsay.lmi import (
     Unbounded,
     affine,
     infimum,
+    matrix,
     scalar,
+    scaling,
     solve,
     solving,
     sym,
     symmetric,
     trace,
+    within,
 )
 from gainsay.lmi.affine import Affine, Definite, Entrywise
 from gainsay.lmi.centring import central_path
@@ -208,3 +211,25 @@ def test_an_entry_below_zero_by_less_than_rounding_does_not_hold():
     entry = Entrywise("x >= 1", scalar("x") - 1)
     for value, right in ((1.0, True), (1 - 2.0**-53, False)):
         assert holds(np.ones((1, 1)), -np.ones(1), entry, np.array([value])) == right
+
+
+def test_the_residual_of_factors_is_bounded_by_what_it_is_summed_of():
+    # entries z_i = f_i^2 of a list: the exact residual in fractions lies within the bound
+    rng = np.random.default_rng(8)
+    rows = matrix("v", 6, 1)
+    program = Program(subject_to=within(rng.standard_normal((9, 6)) @ rows, -np.ones((9, 1)), np.ones((9, 1)), "list"))
+    scaled = scaling.exact(program, scaling.first(program))[1]
+    system = System(scaled, program.constraints, np.zeros(6))
+    factors = [rng.uniform(0.5, 2, 9) for _ in program.constraints]
+    _, total, _, bound = system._linearised(factors)
+    exact = [
+        sum(
+            Fraction(float(f)) ** 2 * Fraction(float(line[k]))
+            for part, tensor in zip(factors, scaled.tensors, strict=True)
+            for f, line in zip(part, tensor, strict=True)
+        )
+        for k in range(6)
+    ]
+    for value, middle, size in zip(exact, total, bound, strict=True):
+        assert abs(value) <= Fraction(float(size))
+        assert size >= abs(middle) + 2.0**-53 * 18

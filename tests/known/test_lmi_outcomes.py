@@ -20,6 +20,7 @@ from gainsay.lmi import (
     equal,
     infimum,
     matrix,
+    positive,
     scalar,
     solve,
     sym,
@@ -80,6 +81,7 @@ INFEASIBLE = {
         x > 0,
     ],
     "interval of one point, strict": lambda: [(x > 1).named("a"), (x < 1).named("b")],
+    "a positive unknown at zero": lambda: [positive("p") <= 0],
     # [[x, 1], [1, 0]] > 0: its second diagonal entry is not positive
     "zero on the diagonal, strict": lambda: [x * E1 + H > 0],
     # v = (1, -1), (1, 1), (2, -1): v'Bv = 0 and v'Av < 0; all multipliers are multiples of vv', on the edge of the cone

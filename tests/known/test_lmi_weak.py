@@ -20,6 +20,7 @@ from gainsay.lmi import (
     symmetric,
     threshold,
     trace,
+    within,
 )
 
 x, y = scalar("x"), scalar("y")
@@ -111,6 +112,12 @@ WEAK = {
     "in other coordinates": lambda: [affine(x * np.ones((2, 2)) + np.array([[0.0, 1.0], [1.0, 2.0]])) >= 0],
     "an equality": lambda: [affine(x * E1 + y * H) >= 0, equal(y, 1.0, "y")],
     "an entry held by another row": lambda: [affine(x * E1 + y * H) >= 0, (y >= 2).named("y")],
+    # x >= 0, y >= 0 as entries of a list, x + y <= 0: both are zero
+    "entries that are zero": lambda: [
+        *within(np.array([[1.0], [0.0]]) * x + np.array([[0.0], [1.0]]) * y, np.zeros((2, 1)), np.ones((2, 1)), "list"),
+        (x + y <= 0).named("sum"),
+        affine(scalar("z") * E1 + x * E2 + H) >= 0,
+    ],
     "a hyperbola and its asymptote": lambda: [affine(x * E1 + y * E2 + H) >= 0, (y <= 0).named("y")],
     "a cubic as a sum of squares of parabolas": lambda: [
         # x^3 + 5 = (1, x, x^2) Q (1, x, x^2)': Q_33 = 0, and Q_23 = 1/2 beside it

@@ -102,6 +102,28 @@ def test_reach_is_that_of_the_argument(case, model, observer):
         assert start.item() == pytest.approx(1 - xi0 @ xi0, rel=1e-12)
 
 
+def test_joint_inequality_is_that_of_the_argument(case, model, observer):
+    # V = xhat'X^-1 xhat + e'Pe along xhat' = (A - BK) xhat + LC e, e' = (A - LC) e + E1 w, u = -K xhat, K = Y X^-1,
+    # the cost of xhat + e and u, and m_i (z_i^2 - w_i^2), z = E2 (xhat + e): the inequality at one vector
+    stated = statements.joint_design(case)
+    M = stated.floats().constant("M")
+    rng = np.random.default_rng(6)
+    X, P, Y = rng.normal(size=(6, 6)), rng.normal(size=(6, 6)), rng.normal(size=(3, 6))
+    X, P = X @ X.T + np.eye(6), P + P.T
+    (block,) = (c.expression for c in stated.program().constraints if c.label == "joint")
+    value = -block.value({"X": X, "Y": Y, "P": P, "rho": 1.0})
+    Q, R, K = case.matrix("Q"), case.matrix("R"), Y @ np.linalg.inv(X)
+    for _ in range(3):
+        xhat, e, w = rng.normal(size=6), rng.normal(size=6), rng.normal(size=5)
+        u, eta = -K @ xhat, np.linalg.solve(X, xhat)
+        z = model.E2[:5] @ (xhat + e)
+        slope = 2 * eta @ ((model.A - model.B @ K) @ xhat + (model.A - observer) @ e)
+        slope += 2 * e @ P @ (observer @ e + model.E1[:, :5] @ w)
+        right = slope + (xhat + e) @ Q @ (xhat + e) + u @ R @ u + z @ M @ z - w @ M @ w
+        point = np.concatenate([eta, e, w, M @ z, Q @ (xhat + e), R @ K @ xhat])
+        assert point @ value @ point == pytest.approx(right, rel=1e-8)
+
+
 def test_multipliers_leave_trace_W_X_alone(case, model, observer, multipliers):
     # the identity behind the refutation, at random X, Y, eps: <V, core of (14)> = tr(W X) + eps |V^(1/2) [E1; E1]|^2
     V1, V3 = multipliers["V1"], multipliers["V3"]

@@ -74,13 +74,14 @@ def rows() -> Iterator[Row]:
             aim=0.5,
             runs=1,
         )
+        read: list[np.ndarray] = []
         yield paired(
             "log: read them back to arrays",
-            lambda: read_log(ours)["/x"].values,
+            lambda: read.append(read_log(ours)["/x"].values),
             "plain mcap-python protobuf",
-            lambda: _read_plain(plain),
+            lambda: read.append(_read_plain(plain)),
             aim=0.5,
             runs=1,
         )
-        if not np.array_equal(read_log(ours)["/x"].values, _read_plain(plain)):
+        if not np.array_equal(*read):
             raise RuntimeError("the two logs do not hold the same doubles")
