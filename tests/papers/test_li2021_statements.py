@@ -266,3 +266,11 @@ def test_entries_of_the_rotation_and_of_g0():
     assert Floats(CASE, texts, {}).constant(st.ROTATION_32.formula) == pytest.approx(-sf * cp + cf * st_ * cp)
     n, J10, J20 = (CASE.number(name) for name in ("orbital_rate", "J10", "J20"))
     assert Floats(CASE, dict(st.PLANT), {}).constant(st.G0_33.formula) == pytest.approx(n**2 * J20 - J10)
+
+
+def test_letters_stand_for_the_numbers_of_the_paper():
+    # g is gamma^2: the bounded real lemma bounds the square of the gain (Lemma 2)
+    letters = Floats(CASE, st.TABLES, {})
+    assert letters.constant("g") == pytest.approx(CASE.number("gamma") ** 2, rel=1e-15)
+    for letter, name in (("lam", "lambda"), ("eps1", "eps1"), ("eps2", "eps2"), ("dm", "delta_m")):
+        assert letters.constant(letter) == pytest.approx(CASE.number(name), rel=1e-15)

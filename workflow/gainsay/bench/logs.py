@@ -83,5 +83,5 @@ def rows() -> Iterator[Row]:
             aim=0.5,
             runs=1,
         )
-        if not np.array_equal(*read):
+        if not np.array_equal(read[0], read[1]):
             raise RuntimeError("the two logs do not hold the same doubles")
