@@ -124,6 +124,7 @@ def _enclosed(program: Program, solved: Solved, asked: tuple[float, ...] | None)
         best, lower, proof = _along_the_path(program, scale, solved, best, lower, proof, attempts)
     if asked is None and not np.isfinite(lower):
         lower, proof = facial.exact_bound(program, scale, flat.multipliers)
+        attempts.append({"solver": "rationals", "status": "bound" if proof else "none", "aim": "infimum"})
     return _told(program, sharp, best, lower, proof, scale.cost, attempts)
 
 

@@ -1,7 +1,7 @@
 """Scales of the rows of an inequality beside those of P: a change of the units of one and not of the other.
 
 ``D F D > 0`` says what F > 0 says, but has the coefficients of no Lyapunov inequality in ``E P E``. The ratios of D to
-E are read from coefficients of unknowns that stand in one entry of P: a row of A is seen through each of them.
+E are read from coefficients of unknowns that have one entry in a column of P: a row of A is seen through each of them.
 """
 
 import numpy as np
