@@ -82,6 +82,10 @@ INFEASIBLE = {
     ],
     "interval of one point, strict": lambda: [(x > 1).named("a"), (x < 1).named("b")],
     "a positive unknown at zero": lambda: [positive("p") <= 0],
+    "a positive unknown whose row's name another bears": lambda: [
+        (x > 0).named("p > 0"),
+        (positive("p") <= -1).named("p"),
+    ],
     # [[x, 1], [1, 0]] > 0: its second diagonal entry is not positive
     "zero on the diagonal, strict": lambda: [x * E1 + H > 0],
     # v = (1, -1), (1, 1), (2, -1): v'Bv = 0 and v'Av < 0; all multipliers are multiples of vv', on the edge of the cone

@@ -251,3 +251,10 @@ def test_a_level_little_below_the_hinf_norm_is_refuted():
         F["state", "state"], F["state", "input"] = sym(A.T @ P) + C.T @ C, P @ B
         F["input", "input"] = affine(-g * np.eye(1))
         assert isinstance(solve(Program(subject_to=[F < 0, (P > 0).named("P")])), Infeasible)
+
+
+def test_multipliers_on_a_face_are_none_of_the_program():
+    # those of the whole program say -1 and no more: the gap of the dual
+    found = infimum(_gap(1.0, 1.0, np.eye(3)))
+    assert found.multipliers == {} and found.lower == pytest.approx(0, abs=1e-9)
+    assert set(found.solved.values) == {"x", "y"}

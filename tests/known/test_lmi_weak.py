@@ -14,7 +14,9 @@ from gainsay.lmi import (
     Solved,
     affine,
     equal,
+    facial,
     scalar,
+    scaling,
     solve,
     solving,
     symmetric,
@@ -22,6 +24,7 @@ from gainsay.lmi import (
     trace,
     within,
 )
+from gainsay.lmi.exposing import exact_faces
 
 x, y = scalar("x"), scalar("y")
 H = np.array([[0.0, 1.0], [1.0, 0.0]])
@@ -135,6 +138,19 @@ def test_no_point_however_near(name, checked_faces):
     found = solve(Program(subject_to=WEAK[name]()))
     assert isinstance(found, Infeasible)
     assert all(face.value == 0 and face.distance == 0 for face in found.faces)
+
+
+@pytest.mark.parametrize("strict", [True, False])
+@pytest.mark.parametrize(("size", "refuted", "confined"), [(1.0, False, False), (0.0, None, True), (-1.0, True, False)])
+def test_multipliers_say_what_their_value_allows(strict, size, refuted, confined):
+    # [[s + x, 0], [0, s - x]] and Z = I: the sum is 2 s for all x; below zero it excludes all x, at zero strict ones
+    block = affine(size * np.eye(2)) + x * np.diag([1.0, -1.0])
+    program = Program(subject_to=[block > 0 if strict else block >= 0])
+    scale, scaled = scaling.exact(program, scaling.first(program))
+    face = next(exact_faces(scaled, program.constraints, [np.eye(2)], None))
+    assert_exact(scaled, face)
+    assert facial.refutes(program, face) is (strict if refuted is None else refuted)
+    assert (facial.reduced(program, scale, face) is not None) is confined
 
 
 def test_multipliers_of_the_program_itself_need_no_faces():
