@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from gainsay.campaigns import Block
+from gainsay.campaigns import Block, once_a_case
 from gainsay.campaigns.box import over_boxes
 from gainsay.campaigns.draws import counted_draws
 from gainsay.campaigns.feasibility import feasibility_map
@@ -20,6 +20,7 @@ from papers.li2021.campaigns_box import GainBox
 
 #: how often a cell of a box of gain variation is halved at most: of the one of Table 1, and of a wider one
 HALVINGS, HALVINGS_WIDE = 12, 9
+_Loop = tuple[plant.Plant, plant.Gains]
 IN_THE_DISK = "the poles of (10) with the printed gains lie in the disk of the paper"
 
 
@@ -43,12 +44,18 @@ def loops_of(case: Case, name: str, factors: np.ndarray) -> tuple[np.ndarray, np
     -------
     (loops, error) : tuple of ndarray, shapes (m, 12, 12)
     """
-    of, gains = plant.rigid(plant.exact_constants(case)), plant.controller(case, name, exact=True)
-    near = plant.Plant(*_doubles(of)), plant.Gains(*_doubles(gains))
-    sizes = plant.Plant(*map(np.abs, _doubles(of))), plant.Gains(*map(np.abs, _doubles(gains)))
+    near, sizes = _nearest(case, name)
     parts = factors[:, :6], factors[:, 6:9], factors[:, 9:]
     # every entry is a sum of at most three products of doubles, each the nearest to an exact number or a draw
     return plant.closed_loop(*near, *parts), gamma(12) * plant.closed_loop(*sizes, *parts)
+
+
+@once_a_case
+def _nearest(case: Case, name: str) -> tuple[_Loop, _Loop]:
+    """Nearest doubles of the plant and of the gains of a controller, and their moduli."""
+    of, gains = plant.rigid(plant.exact_constants(case)), plant.controller(case, name, exact=True)
+    near = plant.Plant(*_doubles(of)), plant.Gains(*_doubles(gains))
+    return near, (plant.Plant(*map(np.abs, _doubles(of))), plant.Gains(*map(np.abs, _doubles(gains))))
 
 
 def _doubles(exact: plant.Plant | plant.Gains) -> list[np.ndarray]:

@@ -6,6 +6,7 @@ pitch axis has a gain within the printed level and a bound on the square root of
 
 from collections.abc import Mapping
 
+from gainsay.campaigns import once_a_case
 from gainsay.campaigns.feasibility import feasibility_map
 from gainsay.statements import Stated
 from gainsay.tables import Case
@@ -14,6 +15,19 @@ from papers.pinheiro2013.plant import AXES, Satellite, generalized_plant
 
 #: of the plant of the pitch axis, whatever its numbers
 _SIZES = statements.sizes(generalized_plant(Satellite((1.0, 1.0, 1.0), 1.0, 0.0, (1.0, 1.0, 1.0)), "pitch"))
+
+
+@once_a_case
+def _stated(case: Case) -> Stated:
+    """(21), corrected, of the pitch axis with the inputs of the map left open."""
+    moments = {f"I{axis}": f"inertia*number('inertia_a_{axis}')" for axis in AXES}
+    where = {**statements.pitch("a"), **moments, "Q1": "angle_weight"}
+    held = [
+        statements.corrected_21(_SIZES, where, "number('gamma_mixed')**2") < 0,
+        statements.second_21(_SIZES, where) > 0,
+        "trace(Q) < bound**2",
+    ]
+    return Stated(case, held, label="(21)")
 
 
 def equation_21(case: Case, point: Mapping[str, str]) -> Stated:
@@ -26,14 +40,8 @@ def equation_21(case: Case, point: Mapping[str, str]) -> Stated:
         ``inertia`` over reconstruction A, the same for each moment; ``angle_weight``, Q1; ``bound`` on the square root
         of trace Q.
     """
-    moments = {f"I{axis}": f"({point['inertia']})*number('inertia_a_{axis}')" for axis in AXES}
-    where = {**statements.pitch("a"), **moments, "Q1": point["angle_weight"]}
-    held = [
-        statements.corrected_21(_SIZES, where, "number('gamma_mixed')**2") < 0,
-        statements.second_21(_SIZES, where) > 0,
-        f"trace(Q) < ({point['bound']})**2",
-    ]
-    return Stated(case, held, label="(21)")
+    stated = _stated(case)
+    return stated.changed(where={**point, **stated.where})
 
 
 CAMPAIGNS = {

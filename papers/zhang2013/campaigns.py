@@ -2,17 +2,25 @@
 
 from collections.abc import Callable, Mapping
 
+from gainsay.campaigns import once_a_case
 from gainsay.campaigns.feasibility import feasibility_map
 from gainsay.statements import Stated
 from gainsay.tables import Case
 from papers.zhang2013.statements import theorem_2
 
 
+@once_a_case
+def _stated(case: Case, edition: str) -> Stated:
+    """(23) of an edition with lambda1 and lambda2 left open."""
+    return theorem_2(case, edition, l1="lambda1", l2="lambda2")
+
+
 def equation_23(edition: str) -> Callable[[Case, Mapping[str, str]], Stated]:
     """(23) of an edition at a lambda1 and a lambda2."""
 
     def stated(case: Case, point: Mapping[str, str]) -> Stated:
-        return theorem_2(case, edition, l1=point["lambda1"], l2=point["lambda2"])
+        open_ = _stated(case, edition)
+        return open_.changed(where={**point, **open_.where})
 
     return stated
 

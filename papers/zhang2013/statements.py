@@ -1,7 +1,6 @@
 """The inequalities of zhang2013 as printed and as they follow from each other, and the programs made of them."""
 
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 from gainsay.statements import Stated, Statement, matrix, positive, read_constraint, scalar, symmetric
@@ -232,7 +231,6 @@ def equation_23(part: str) -> Statement:
     )
 
 
-@cache  # the same at every point of a map
 def corrected_23(part: str) -> Statement:
     """(23a) or (23b) as (9) and (25) give them: five cells."""
     return equation_23(part).corrected({**corrections(part), ("e", "w1"): "-N @ B", ("x'", "x_d"): "l1 * B @ M"})

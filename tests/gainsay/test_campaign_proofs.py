@@ -131,6 +131,24 @@ MAP = Campaign(name="m", kind="map", inputs="s=1.4..1.8", resolution="5", seed="
                question="q")  # fmt: skip
 
 
+def test_a_figure_of_a_large_map_shows_some_of_its_points_and_counts_all(project):
+    from gainsay.campaigns.feasibility import _seen
+
+    row = MAP.model_copy(update={"inputs": "a=0..1; b=0..1; c=0..1", "resolution": "401x2x2"})
+    plan = Plan(read_case(project.root, "toy"), row, feasibility_map(("a", "b", "c"), lyapunov, "P"), "0" * 16)
+    index = np.arange(401 * 4)
+    outcome = np.where(index % 4 == 3, INFEASIBLE, np.where(index < 400, FEASIBLE, UNDECIDED))
+    seen, counted = _seen(plan, iter([{"index": index, "outcome": outcome}]), 2)
+    assert counted == {FEASIBLE: 300, INFEASIBLE: 401, UNDECIDED: 903}
+    assert plan.step == 3
+    assert {grid.shape for grid in seen.values()} == {(134, 1)}
+    # the last input runs fastest, b = 1 is left out: infeasible points stand at b = 1 alone
+    assert not seen[0, INFEASIBLE].any()
+    assert not seen[1, INFEASIBLE].any()
+    assert seen[0, FEASIBLE].sum() == seen[1, FEASIBLE].sum() == 34
+    assert seen[1, UNDECIDED].sum() == 100
+
+
 def test_a_map_carries_its_proofs_and_a_row_that_lies_is_found(project, monkeypatch):
     case = read_case(project.root, "toy")
     plan = Plan(case, MAP, feasibility_map(("s",), lyapunov, "P at s = {s}"), "0" * 16)

@@ -45,6 +45,8 @@ def test_a_paper_needs_no_campaigns(project):
         (MAP.replace("4x3", "0"), "resolution '0': expected a whole number from 1"),
         (MAP.replace("4x3", "4x3x2"), "resolution '4x3x2': expected one number, or one for each of 2 inputs"),
         (MAP.replace("4x3", "10000000"), "points at most"),
+        (MAP.replace("1..5", "1..1.00001"), "expected values of gamma that differ in 6 digits: fewer of them"),
+        (MAP.replace("4x3", "1000000x3"), "expected values of lambda that differ in 6 digits: fewer of them"),
         (MAP.replace(",,1,2,", ",5,1,2,"), "seed '5': expected nothing, since a map draws nothing"),
         (MAP.replace(",,1,2,", ",,3,2,"), "chunk '2': expected a multiple of the block of 3 points"),
         (MAP.replace(",,1,2,", ",,-1,2,"), "block '-1': expected a whole number from 1"),
@@ -86,6 +88,15 @@ def test_a_grid_has_its_ends_and_rises(low, ratio, count, logarithmic, data):
     assert float(axis.value(count - 1, count)) == pytest.approx(low * ratio, rel=5.1e-6)
     k = data.draw(st.integers(0, count - 2))
     assert float(axis.value(k, count)) <= float(axis.value(k + 1, count))
+
+
+@given(st.floats(1e-6, 1e6), st.floats(1e-7, 1e3), st.integers(2, 10**7), st.booleans(), st.booleans(), st.data())
+def test_points_of_a_grid_that_is_taken_are_different_ones(low, width, count, logarithmic, below, data):
+    end = low * (1 + width)
+    axis = Axis("x", -end, -low) if below and not logarithmic else Axis("x", low, end, logarithmic)
+    k = data.draw(st.integers(0, count - 2))
+    assert not axis.tells_apart(count) or axis.value(k, count) != axis.value(k + 1, count)
+    assert axis.tells_apart(2) or width < 1.1e-5
 
 
 @given(st.floats(-1e6, 1e6), st.floats(1e-6, 1e6), st.integers(1, 1000), st.data())

@@ -20,7 +20,7 @@ from gainsay.campaigns.box import OPEN, PROVED, REFUTED, branch
 from gainsay.campaigns.draws import counted_draws
 from gainsay.campaigns.scan import grid_scan
 from gainsay.campaigns.status import progress, rate
-from gainsay.campaigns.store import about_chunk, chunk_path, folder, gather, gathered, write_chunk
+from gainsay.campaigns.store import about_chunk, chunk_path, folder, gather, gathered, manifest_doubt, write_chunk
 from gainsay.errors import InputError
 from gainsay.tables import read_case
 from gainsay.tables.models import Campaign
@@ -240,6 +240,76 @@ def test_rows_stand_in_groups_of_one_size_however_they_come(case, monkeypatch):
         groups = [read.metadata.row_group(k).num_rows for k in range(read.metadata.num_row_groups)]
         assert groups == [64, 64, 7]
         assert read.read()["index"].to_pylist() == list(range(rows))
+
+
+def test_the_same_chunk_written_twice_at_once_is_whole(case):
+    """As when a job that was taken for lost runs still while it is made again, on another machine."""
+    whole = plan(case, DRAWS, chunk="2000")
+    write_chunk(whole, 0)
+    expected = chunk_path(whole, 0).read_bytes()
+    read = next(store._rows(whole, 0, about_chunk(chunk_path(whole, 0), case.root)))
+    with store._Writer(chunk_path(whole, 0), whole) as one, store._Writer(chunk_path(whole, 0), whole) as other:
+        for file in (one, other):
+            file.write(read)
+            file.note(
+                store._about(
+                    whole, 0, 1003, whole.evaluation.count({n: read[n].to_pylist() for n in read.column_names})
+                )
+            )
+    assert chunk_path(whole, 0).read_bytes() == expected
+    assert not list(chunk_path(whole, 0).parent.glob(".*.part"))
+
+
+@pytest.mark.parametrize(
+    ("change", "wrong"),
+    [
+        ({"counts": {"draws": 1003}}, "another counts"),
+        ({"told": {"low": "none"}}, "another told"),
+        ({"points": 1}, "another points"),
+        ({"table": {"file": "luck.parquet", "sha256": "0" * 64}}, "another table"),
+        ({"more": 1}, "another more"),
+        ({"depends_on": "f" * 16}, "of other tables or code"),
+        ({"question": "Why?"}, ""),
+    ],
+)
+def test_a_manifest_that_says_what_its_table_does_not_is_found(case, change, wrong):
+    whole = plan(case, DRAWS)
+    for number in range(whole.chunks):
+        write_chunk(whole, number)
+    manifest = gather(whole)
+    assert manifest_doubt(whole) == ""
+    (folder(whole) / "luck.json").write_text(json.dumps({**manifest, **change}))
+    assert wrong in manifest_doubt(whole)
+    assert bool(manifest_doubt(whole)) == bool(wrong)
+
+
+def test_a_table_that_is_another_one_is_found(case):
+    for seed in ("7", "8"):
+        whole = plan(case, DRAWS, seed=seed)
+        chunk_path(whole, 0).parent.mkdir(parents=True, exist_ok=True)
+        for number in range(whole.chunks):
+            write_chunk(whole, number)
+        gather(whole)
+        if seed == "7":
+            manifest = (folder(whole) / "luck.json").read_bytes()
+    (folder(whole) / "luck.json").write_bytes(manifest)
+    assert "another counts, seed, table, told" in manifest_doubt(whole)
+
+
+def test_a_figure_stays_small_however_many_points_there_are(case):
+    from matplotlib.figure import Figure
+
+    small = plan(case, SCAN)
+    assert (small.step, small.label(0), list(small.side(0))[-1]) == (1, "x", 1.0)
+    large = plan(case, SCAN, resolution="450x7")
+    assert (large.step, large.label(0), len(large.side(0)), len(large.side(1))) == (3, "x (every 3 values)", 150, 3)
+    index = np.arange(450 * 7)
+    figure = Figure()
+    large.evaluation.draw(
+        figure, large, iter([{"index": part, "z": part.astype(float)} for part in np.split(index, 9)])
+    )
+    shown = figure.axes[0].collections[0].get_array().reshape(3, 150)
+    assert (shown == np.add.outer(3 * np.arange(3), 7 * 3 * np.arange(150))).all()
 
 
 def test_memory_does_not_grow_with_the_number_of_rows(case):

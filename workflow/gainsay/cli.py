@@ -174,25 +174,26 @@ def search(options: argparse.Namespace) -> int:
 
 
 def campaigns(options: argparse.Namespace) -> int:
-    """Say where campaigns stand, in a line each; or check the proof of every point of their maps again."""
+    """Say where campaigns stand, in a line each; or check manifests and the proof of every point of maps again."""
     from gainsay.campaigns.status import progress
-    from gainsay.campaigns.store import doubts
+    from gainsay.campaigns.store import doubts, manifest_doubt
     from gainsay.steps.campaign import plan_of
 
     code = CLEAN
     cases = [read_case(options.root, paper) for paper in _papers(options.root, options.papers)]
     for plan in (plan_of(case, name) for case in cases for name in case.campaigns):
+        named = f"{plan.case.name}  {plan.row.name}"
         if options.action == "status":
             print(f"{plan.case.name}  {progress(plan)}"[:LONGEST], flush=True)
-        elif plan.row.kind == "map":
-            wrong, count = [], 0
+            continue
+        wrong, count = [manifest_doubt(plan)], 0
+        if plan.row.kind == "map":
             for count, (index, doubt) in enumerate(doubts(plan), start=1):  # noqa: B007  # the last number is said
-                wrong += [f"{plan.case.name}  {plan.row.name} point {index}: {doubt}"] * bool(doubt)
-            print(
-                "\n".join([*wrong, f"{plan.case.name}  {plan.row.name}: {count} points, {len(wrong)} wrong"]),
-                flush=True,
-            )
-            code = DIFFERENCES if wrong else code
+                wrong += [f"point {index}: {doubt}"] * bool(doubt)
+        wrong = [f"{named}: {doubt}" for doubt in wrong if doubt]
+        proofs = f"{count} proofs, " if plan.row.kind == "map" else ""
+        print("\n".join([*wrong, f"{named}: {proofs}{len(wrong)} wrong"]), flush=True)
+        code = DIFFERENCES if wrong else code
     return code
 
 
@@ -293,7 +294,9 @@ def _parser() -> argparse.ArgumentParser:
     searched.add_argument("paper", help="folder name below papers/")
     searched.add_argument("design", nargs="?", help="a name of [designs] in paper.toml; default: all")
     large = add("campaigns", campaigns)
-    large.add_argument("action", choices=("status", "prove"), help="where they stand, or check their proofs again")
+    large.add_argument(
+        "action", choices=("status", "prove"), help="where they stand, or check manifests and proofs again"
+    )
     large.add_argument("papers", nargs="*", help="folder names below papers/; default: all")
     add("docs", docs).add_argument("--check", action="store_true", help="only say whether they are stale")
     proving = add("prove", prove)

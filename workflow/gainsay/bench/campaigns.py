@@ -4,7 +4,8 @@
 minutes, each in a process and a copy of the project of its own. What is told apart, each without the ones before it:
 
 - the solver: Clarabel, LAPACK's eigenvalues, an integrator with its right-hand side;
-- solving: scaling a program, evaluating every block at the points that came back, multipliers that may refute;
+- solving: scaling a program, evaluating every block at the points that came back, multipliers that may refute; reading
+  states, peaks and crossings off the polynomials of an integration;
 - proving: certificates made and accepted, eigenvalues enclosed, boxes tested, which the campaign is asked for;
 - starting: the interpreter, imports, tables, digest of the code;
 - the rest: programs stated from their text, random numbers, rows and files.
@@ -39,6 +40,7 @@ def _counted(meter: Meter) -> Iterator[None]:
 
     from gainsay.campaigns import box, feasibility
     from gainsay.proof import build
+    from gainsay.simulation import batch
     from gainsay.systems import enclosed_spectra
 
     def candidates(program: Any) -> Iterator[Any]:
@@ -50,9 +52,12 @@ def _counted(meter: Meter) -> Iterator[None]:
                 return
 
     plain = feasibility.candidates
+    reading = (batch.Segment, "__call__"), (batch, "polished_peak"), (batch, "polished_crossing")
     proving = (build, "feasible_point"), (build, "farkas"), (box, "branch"), (enclosed_spectra, "resolved")
     places: list[tuple[Any, str, Any]] = [
-        (owner, name, meter.around("proving", getattr(owner, name))) for owner, name in proving
+        (owner, name, meter.around(kind, getattr(owner, name)))
+        for kind, counted in (("solving", reading), ("proving", proving))
+        for owner, name in counted
     ]
     places.append((np.linalg, "eig", meter.around("solves", np.linalg.eig)))
     with meter.calls(), replaced([*places, (feasibility, "candidates", candidates)]):

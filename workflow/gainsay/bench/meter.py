@@ -71,13 +71,15 @@ class Meter:
     @contextmanager
     def calls(self) -> Iterator[None]:
         """Count Clarabel and the integrators of `gainsay.simulation` inside the block."""
+        import scipy.integrate
+
         from gainsay.lmi import backends
-        from gainsay.simulation import batch, delay_steps, linear, ode, periodic
+        from gainsay.simulation import delay_steps, linear, periodic
 
         places: list[tuple[Any, str, Callable[..., Any]]] = [
-            (backends, "bare_solve", self.around("solves", backends.bare_solve))
+            (backends, "bare_solve", self.around("solves", backends.bare_solve)),
+            (scipy.integrate, "solve_ivp", self.around("integrations", scipy.integrate.solve_ivp)),
         ]
-        places += [(module, "solve_ivp", self.around("integrations", module.solve_ivp)) for module in (ode, batch)]
         places += [
             (kind, name, self.around("integrations", getattr(kind, name)))
             for kind, name in (

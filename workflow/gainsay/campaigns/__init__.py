@@ -4,6 +4,6 @@ A point is known by its index alone, a draw by its seed and block, a block is al
 the same however the points are cut into chunks, in whatever order these run, and how often one is done again.
 """
 
-from gainsay.campaigns.plan import Block, Evaluation, Plan
+from gainsay.campaigns.plan import Block, Evaluation, Plan, once_a_case
 
-__all__ = ["Block", "Evaluation", "Plan"]
+__all__ = ["Block", "Evaluation", "Plan", "once_a_case"]

@@ -109,13 +109,9 @@ def over_boxes(inputs: tuple[str, ...], test: Callable[[Case], Test], deepest: i
 def _draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]], deepest: int) -> None:
     """Part of the volume that is proved, least over the other inputs, for each cell of the first two."""
     first, second = plan.axes[0], plan.axes[1] if len(plan.axes) > 1 else None
-    across, up = plan.counts[0], plan.counts[1] if second else 1
-    least = np.full((across, up), 1.0)
-    layers = plan.points // (across * up)
+    least = np.full(plan.sides, 1.0)
     for batch in rows:
-        part = batch["proved"] / (1 << deepest)
-        i, j = np.divmod(batch["index"] // layers, up)
-        np.minimum.at(least, (i, j), part)
+        np.minimum.at(least, plan.places(batch["index"]), batch["proved"] / (1 << deepest))
     axes = figure.subplots()
     extent = (first.low, first.high, second.low if second else 0, second.high if second else 1)
     shown = axes.imshow(least.T, origin="lower", extent=extent, aspect="auto", vmin=0, vmax=1, cmap=_COLOURS)

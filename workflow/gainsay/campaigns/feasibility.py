@@ -126,29 +126,43 @@ def _plain(value: Any) -> Any:
 
 def _draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> None:
     """Points by outcome over the first two inputs, a panel for each value of a third; of more inputs all together."""
-    first, second = plan.axes[0], plan.axes[1] if len(plan.axes) > 1 else None
+    plane = len(plan.axes) > 1
     layers = plan.counts[2] if len(plan.axes) == 3 and plan.counts[2] <= _PANELS else 1
     panels = figure.subplots(1, layers, sharex=True, sharey=True, squeeze=False)[0]
-    places: dict[tuple[int, str], tuple[list, list]] = {(k, name): ([], []) for k in range(layers) for name in COLOURS}
-    for batch in rows:
-        for (layer, outcome), (x, y) in places.items():
-            # the last input runs fastest
-            chosen = (batch["outcome"] == outcome) & (batch["index"] % layers == layer)
-            x.extend(batch[first.name][chosen])
-            y.extend(batch[second.name][chosen] if second else np.zeros(chosen.sum()))
-    for (layer, outcome), (x, y) in places.items():
-        panels[layer].scatter(x, y, s=14, marker=_MARKERS[outcome], color=COLOURS[outcome], linewidths=1)
+    seen, counted = _seen(plan, rows, layers)
+    x, y = plan.side(0), plan.side(1) if plane else np.zeros(1)
+    for (layer, outcome), grid in seen.items():
+        i, j = np.nonzero(grid)
+        panels[layer].scatter(x[i], y[j], s=14, marker=_MARKERS[outcome], color=COLOURS[outcome], linewidths=1)
     for layer, axes in enumerate(panels):
-        axes.set_xlabel(first.name)
-        axes.set_xscale("log" if first.logarithmic else "linear")
+        axes.set_xlabel(plan.label(0))
+        axes.set_xscale("log" if plan.axes[0].logarithmic else "linear")
         if layers > 1:  # there is no room for the digits between the decades
             axes.tick_params(axis="x", which="minor", labelbottom=False)
         axes.margins(0.04)
         if layers > 1:
             axes.set_title(f"{plan.axes[2].name} = {plan.axes[2].value(layer, layers)}")
-    if second is not None:
-        panels[0].set_ylabel(second.name)
-        panels[0].set_yscale("log" if second.logarithmic else "linear")
-    counted = {outcome: sum(len(places[k, outcome][0]) for k in range(layers)) for outcome in COLOURS}
+    if plane:
+        panels[0].set_ylabel(plan.label(1))
+        panels[0].set_yscale("log" if plan.axes[1].logarithmic else "linear")
     labels = [f"{outcome}: {count}" for outcome, count in counted.items()]
     figure.legend(panels[0].collections, labels, loc="outside upper left", ncols=3)
+
+
+def _seen(
+    plan: Plan, rows: Iterator[Mapping[str, np.ndarray]], layers: int
+) -> tuple[dict[tuple[int, str], np.ndarray], dict[str, int]]:
+    """Where each outcome is seen among the places that a figure shows, by panel; and how often it is found in all."""
+    shape = [len(range(0, count, plan.step)) for count in plan.sides]
+    seen = {(layer, outcome): np.zeros(shape, dtype=bool) for layer in range(layers) for outcome in COLOURS}
+    counted = dict.fromkeys(COLOURS, 0)
+    for batch in rows:
+        i, j = plan.places(batch["index"])
+        shown = (i % plan.step == 0) & (j % plan.step == 0)
+        for outcome in COLOURS:
+            found = batch["outcome"] == outcome
+            counted[outcome] += int(found.sum())
+            for layer in range(layers):  # the last input runs fastest
+                chosen = found & shown & (batch["index"] % layers == layer)
+                seen[layer, outcome][i[chosen] // plan.step, j[chosen] // plan.step] = True
+    return seen, counted

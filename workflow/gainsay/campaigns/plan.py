@@ -3,8 +3,8 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -13,7 +13,11 @@ from gainsay.tables import Case
 from gainsay.tables.campaigns import Axis, axes, check_inputs, counts, whole
 from gainsay.tables.models import Campaign
 
+#: values that a figure shows along a side at most
+_SHOWN = 200
 Columns = Mapping[str, Sequence[Any]]
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 @dataclass(frozen=True)
@@ -104,6 +108,30 @@ class Plan:
         """Number of chunks."""
         return -(-self.points // whole(self.row, "chunk"))
 
+    @property
+    def sides(self) -> tuple[int, int]:
+        """Points along the first two inputs, the sides of a figure; 1 where there is no second."""
+        return self.counts[0], self.counts[1] if len(self.counts) > 1 else 1
+
+    @property
+    def step(self) -> int:
+        """Every how manieth value of each side a figure shows: it stays small however many points there are."""
+        return -(-max(self.sides) // _SHOWN)
+
+    def places(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Place along the first two inputs of points by their index."""
+        across, up = self.sides
+        return np.divmod(index // (self.points // (across * up)), up)
+
+    def side(self, number: int) -> np.ndarray:
+        """Values of an input that a figure shows."""
+        axis, count = self.axes[number], self.counts[number]
+        return np.array([float(axis.value(k, count)) for k in range(0, count, self.step)])
+
+    def label(self, number: int) -> str:
+        """Name of an input as a figure shows it."""
+        return self.axes[number].name + (f" (every {self.step} values)" if self.step > 1 else "")
+
     def blocks(self, chunk: int | None = None) -> Iterator["Block"]:
         """Yield the blocks of one chunk, or all, in the order of their points.
 
@@ -175,3 +203,17 @@ class Block:
         """
         key = np.random.SeedSequence((int(self.plan.row.seed), self.first, stream)).generate_state(2, np.uint64)
         return np.random.Generator(np.random.Philox(key=key))
+
+
+def once_a_case(work: Callable[Concatenate[Case, P], R]) -> Callable[Concatenate[Case, P], R]:
+    """Make a function of a case and of texts or numbers be evaluated once for each in a process: what blocks share."""
+    kept: dict[Any, tuple[Case, R]] = {}
+
+    @wraps(work)
+    def once(case: Case, *more: P.args, **named: P.kwargs) -> R:
+        key = id(case), more, tuple(named.items())
+        if key not in kept:
+            kept[key] = case, work(case, *more, **named)  # with the case, so that its id is nobody else's
+        return kept[key][1]
+
+    return once

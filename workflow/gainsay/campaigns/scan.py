@@ -8,6 +8,9 @@ import numpy as np
 from gainsay.campaigns.plan import Block, Columns, Evaluation, Plan
 from gainsay.tables import Case
 
+#: points that a figure over their number shows at most
+_DOTS = 20_000
+
 
 def grid_scan(
     inputs: tuple[str, ...], quantity: str, evaluate: Callable[[Case, list[dict[str, str]]], np.ndarray], holds: float
@@ -40,10 +43,12 @@ def grid_scan(
     def draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> None:
         axes = figure.subplots()
         if len(plan.axes) == 2:
-            _draw_plane(figure, axes, plan, quantity, np.concatenate([batch[quantity] for batch in rows]), holds)
+            _draw_plane(figure, axes, plan, quantity, rows, holds)
             return
+        step = -(-plan.points // _DOTS)
         for batch in rows:
-            axes.plot(batch["index"], batch[quantity], ".", color="C0", markersize=2)
+            shown = batch["index"] % step == 0
+            axes.plot(batch["index"][shown], batch[quantity][shown], ".", color="C0", markersize=2)
         axes.axhline(holds, color="0.4", linewidth=0.8)
         axes.set_xlabel("point")
         axes.set_ylabel(quantity)
@@ -52,18 +57,21 @@ def grid_scan(
     return Evaluation("scan", inputs, columns, block, count, findings, draw)
 
 
-def _draw_plane(figure: Any, axes: Any, plan: Plan, quantity: str, values: np.ndarray, holds: float) -> None:
+def _draw_plane(
+    figure: Any, axes: Any, plan: Plan, quantity: str, rows: Iterator[Mapping[str, np.ndarray]], holds: float
+) -> None:
     """Numbers over two inputs in colour, and the line on which they reach the bound."""
-    sides = [
-        [float(axis.value(k, count)) for k in range(count)] for axis, count in zip(plan.axes, plan.counts, strict=True)
-    ]
-    # the second input runs fastest
-    plane = values.reshape(plan.counts).T
-    shown = axes.pcolormesh(*sides, plane, shading="nearest", cmap="viridis", rasterized=True)
+    sides = plan.side(0), plan.side(1)
+    plane = np.empty((len(sides[1]), len(sides[0])))
+    for batch in rows:
+        i, j = plan.places(batch["index"])
+        shown = (i % plan.step == 0) & (j % plan.step == 0)
+        plane[j[shown] // plan.step, i[shown] // plan.step] = batch[quantity][shown]
+    mesh = axes.pcolormesh(*sides, plane, shading="nearest", cmap="viridis", rasterized=True)
     if plane.min() < holds < plane.max():
         axes.contour(*sides, plane, levels=[holds], colors="white")
-    for side, axis in zip("xy", plan.axes, strict=True):
-        getattr(axes, f"set_{side}label")(axis.name)
+    for number, (side, axis) in enumerate(zip("xy", plan.axes, strict=True)):
+        getattr(axes, f"set_{side}label")(plan.label(number))
         getattr(axes, f"set_{side}scale")("log" if axis.logarithmic else "linear")
     axes.grid(False)
-    figure.colorbar(shown, ax=axes, label=f"{quantity}, line at {holds:g}")
+    figure.colorbar(mesh, ax=axes, label=f"{quantity}, line at {holds:g}")

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-import os
+import secrets
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 
 from gainsay.campaigns.plan import Block, Plan
 from gainsay.errors import InputError, missing_extra
-from gainsay.results.manifest import manifest_path
+from gainsay.results.manifest import current_manifest, manifest_path
 from gainsay.tables.files import naming, open_regular, write_json
 
 #: rows of a row group of the gathered table: what is held in memory at a time
@@ -72,7 +72,8 @@ class _Writer:
         self.arrow, self.path, self.schema = _arrow(), path, _schema(plan)
         self.waiting: list[Any] = []
         path.parent.mkdir(parents=True, exist_ok=True)
-        self.part = path.with_name(f".{os.getpid()}.{path.name}.part")
+        # on a cluster two machines may write the same chunk, under the same number of a process
+        self.part = path.with_name(f".{secrets.token_hex(8)}.{path.name}.part")
         self.file = self.arrow.parquet.ParquetWriter(
             self.part, self.schema, compression="zstd", write_page_checksum=True, write_statistics=True,
             store_schema=False,
@@ -218,8 +219,17 @@ def gather(plan: Plan) -> dict[str, Any]:
             for rows in _rows(plan, number, about):
                 file.write(rows)
             total.update(about["counts"])
-    counts = dict(sorted(total.items()))
-    manifest = {
+    manifest = _manifest(plan, total)
+    write_json(manifest_path(plan.case, plan.row.name), manifest)
+    return manifest
+
+
+def _manifest(plan: Plan, total: Mapping[str, int]) -> dict[str, Any]:
+    """What is said of the gathered table beside it."""
+    path, counts = folder(plan) / f"{plan.row.name}.parquet", dict(sorted(total.items()))
+    with path.open("rb") as opened:
+        digest = hashlib.file_digest(opened, "sha256").hexdigest()
+    return {
         "format": _FORMAT,
         "paper": plan.case.name,
         **{key: getattr(plan.row, key) for key in ("name", "kind", "inputs", "resolution", "seed", "block", "claim")},
@@ -228,10 +238,28 @@ def gather(plan: Plan) -> dict[str, Any]:
         "points": plan.points,
         "counts": counts,
         "told": plan.evaluation.findings(plan, counts),
-        "table": {"file": path.name, "sha256": hashlib.file_digest(path.open("rb"), "sha256").hexdigest()},
+        "table": {"file": path.name, "sha256": digest},
     }
-    write_json(manifest_path(plan.case, plan.row.name), manifest)
-    return manifest
+
+
+def manifest_doubt(plan: Plan) -> str:
+    """Say what is wrong with the manifest of a campaign: it is of other tables or code, or not what its table gives.
+
+    Raises
+    ------
+    InputError
+        If nothing is gathered, or the table is damaged.
+    """
+    total: Counter[str] = Counter()
+    for batch in gathered(plan, list(plan.evaluation.columns)):
+        total.update(plan.evaluation.count({name: column.tolist() for name, column in batch.items()}))
+    manifest = current_manifest(plan.case, plan.row.name, plan.digest)
+    if manifest is None:
+        return "its manifest is of other tables or code, or cannot be read"
+    wanted = json.loads(json.dumps(_manifest(plan, total)))
+    said = {*wanted, *manifest} - {"claim", "question"}  # results do not depend on them
+    wrong = sorted(key for key in said if wanted.get(key) != manifest.get(key))
+    return f"its manifest has another {', '.join(wrong)} than its table gives" if wrong else ""
 
 
 def gathered(plan: Plan, columns: list[str]) -> Iterator[Mapping[str, np.ndarray]]:

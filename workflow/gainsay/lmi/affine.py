@@ -234,8 +234,9 @@ def affine(value: Any) -> Affine:
     """
     if isinstance(value, Affine):
         return value
-    if hasattr(value, "assembled"):
-        return value.assembled
+    assembled = getattr(value, "assembled", None)  # asked once: it is put together anew each time
+    if assembled is not None:
+        return assembled
     array = real_array(value, "matrix expression", finite=False)
     if array.ndim == 0:
         array = array.reshape(1, 1)

@@ -59,6 +59,7 @@ class Floats:
         self._reader = Reader(case, "statement")
         self._exact: dict[str, Matrix] = {}
         self._affine: dict[str, Affine] = {}
+        self._constraints: dict[tuple[str, str], Any] = {}
         self._names: dict[str, frozenset[str]] = {} if before is None else before._names
         self._free = self._names_with_unknowns()
         if before is not None and before.case is case:
@@ -92,6 +93,7 @@ class Floats:
                 same.add(name)
         self._exact = {text: value for text, value in before._exact.items() if self._names_in(text) <= same}
         self._affine = {text: value for text, value in before._affine.items() if self._names_in(text) <= same}
+        self._constraints = {key: held for key, held in before._constraints.items() if self._names_in(key[1]) <= same}
 
     def value(self, text: str) -> Affine:
         """Expression of a formula.
@@ -106,6 +108,12 @@ class Floats:
         if text not in self._affine:
             self._affine[text] = _Walk(self, text).run(parse(text))
         return self._affine[text]
+
+    def constraint(self, label: str, text: str, make: Callable[[], Any]) -> Any:
+        """Constraint of a label and a text, made where it was not before."""
+        if (label, text) not in self._constraints:
+            self._constraints[label, text] = make()
+        return self._constraints[label, text]
 
     def constant(self, text: str) -> np.ndarray:
         """Nearest doubles of a formula without unknowns."""

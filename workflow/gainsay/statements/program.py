@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -122,7 +123,9 @@ class Stated:
             If a formula is not affine in the unknowns, or shapes do not fit.
         """
         floats = self.floats() if floats is None else floats
-        constraints: list[Any] = [_constraint(constraint, floats) for constraint in self.constraints]
+        constraints: list[Any] = [
+            floats.constraint(held.label, held.text, partial(_constraint, held, floats)) for held in self.constraints
+        ]
         for name, printed in self.boxes.items():
             rows = self.case.printed(printed).rows
             low, high = (np.array([[float(getattr(x, end)) for x in row] for row in rows]) for end in ("low", "high"))

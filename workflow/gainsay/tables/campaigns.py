@@ -50,6 +50,15 @@ class Axis:
             value = (1 - part) * self.low + part * self.high
         return f"{value:.{DIGITS}g}"
 
+    def tells_apart(self, count: int) -> bool:
+        """Whether so many values of a grid differ from their neighbours in the digits that they are given."""
+        if count < 2:
+            return True
+        if self.logarithmic:  # their last digit is largest, beside them, where they begin with 1
+            return math.expm1(math.log(self.high / self.low) / (count - 1)) > 10.0 ** (1 - DIGITS)
+        unit = 10.0 ** (math.floor(math.log10(max(abs(self.low), abs(self.high)))) + 1 - DIGITS)
+        return (self.high - self.low) / (count - 1) > unit * (1 - 1e-9)
+
     def cell(self, index: int, count: int) -> tuple[float, float]:
         """Ends of one of `count` even cells; neighbours share their end to the bit.
 
@@ -142,6 +151,14 @@ def faults(case: Case, row: Campaign) -> Iterator[tuple[str, object, str]]:
     points = math.prod(counts(row))
     if points > MOST_POINTS:
         yield "resolution", row.resolution, f"{MOST_POINTS:.0e} points at most"
+    if row.kind in ("map", "scan"):
+        for axis, count in zip(axes(row), counts(row), strict=True):
+            if not axis.tells_apart(count):
+                yield (
+                    "resolution",
+                    row.resolution,
+                    f"values of {axis.name} that differ in {DIGITS} digits: fewer of them",
+                )
     block, chunk = whole(row, "block"), whole(row, "chunk")
     if chunk % block:
         yield "chunk", row.chunk, f"a multiple of the block of {block} points, since a chunk is whole blocks"
