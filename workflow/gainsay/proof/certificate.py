@@ -312,10 +312,10 @@ def plain(value: Any) -> Any:
     """Value as plain JSON: nested dicts and lists of texts, booleans, integers and None."""
     if value is None or isinstance(value, str | bool) or type(value) is int:
         return value
-    if isinstance(value, list | tuple):
-        return [plain(v) for v in value]
+    if isinstance(value, list | tuple):  # texts, which are nearly all there is, without a call each
+        return [v if type(v) is str else plain(v) for v in value]
     if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in value.items()}
+        return {str(k): v if type(v) is str else plain(v) for k, v in value.items()}
     raise CertificateError(f"{value!r} cannot stand in a certificate: write numbers as exact texts")
 
 
