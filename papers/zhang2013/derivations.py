@@ -1,5 +1,6 @@
 """The derivations of zhang2013, step by step, as identities: (2), (5), (7), Lemma 1, (12) to (22)."""
 
+from gainsay.proof import Certificate
 from gainsay.results import Results, task
 from gainsay.statements import Statement, Step, differing, identical, implication, matrix, scalar
 from gainsay.tables import Case
@@ -29,6 +30,19 @@ RATE = (
     " - zM.T @ Q1 @ zM - (1 - mu) * zd.T @ Q2 @ zd + d_M * v.T @ R @ v"
 )
 """Right side of (12) without its integral; v stands for z'."""
+FUNCTIONAL = "{z}.T @ P1 @ {z} + {G1} - {G1M} + {G2} - {G2d} + d_M * {H} - ({K} - {KM})"
+"""(11) in antiderivatives: G1' = z'Q1 z, G2' = z'Q2 z, H' = v'R v, K' = H; at t - d(t) where d, at t - d_M where M."""
+LATER = {
+    "z": "(z + e * v)",
+    "G1": "(G1 + e * z.T @ Q1 @ z)",
+    "G1M": "(G1M + e * zM.T @ Q1 @ zM)",
+    "G2": "(G2 + e * z.T @ Q2 @ z)",
+    "G2d": "(G2d + e * (1 - mu) * zd.T @ Q2 @ zd)",
+    "H": "(H + e * v.T @ R @ v)",
+    "K": "(K + e * H)",
+    "KM": "(KM + e * HM)",
+}
+"""What (11) consists of at t + e, to first order in e, for a delay of the rate mu."""
 
 
 #: the quadratic form of (17); with the column of w that of (22)
@@ -163,9 +177,34 @@ def lemma(case: Case, results: Results) -> None:
         )
 
 
+def derivative_of_11(case: Case) -> Certificate:
+    """(11) at t + e less (11) at t is e times (12), to first order, where z' is what (10) says it is."""
+    unknowns = {name: FREE_LOOP[name] for name in ("P1", "P2", "P3", "Q1", "Q2", "R", "A_bar", "A_d", "mu")}
+    unknowns |= {name: STATES[name] for name in ("z", "zd", "zM")}
+    unknowns |= dict.fromkeys(("e", "d_M", "G1", "G1M", "G2", "G2d", "H", "HM", "K", "KM"), scalar())
+    ones = {name: [["1"] * unknown.columns] * unknown.rows for name, unknown in unknowns.items()}
+    return identical(
+        case,
+        "",
+        "(12) is the derivative of (11) along (10), z for its x and d'(t) for its mu, to first order.",
+        f"{FUNCTIONAL.format(**LATER)} - ({FUNCTIONAL.format(**{name: name for name in LATER})})",
+        f"e * ({RATE.format(w='')} - (H - HM))",
+        unknowns,
+        id="eq12",
+        definitions={"v": "A_bar @ z + A_d @ zd"},
+        modulo=["e**2"],
+        at={**ones, "e": "0"},
+        faith=(
+            "That an integral of a continuous function has that function as its derivative: G1' = z'Q1 z and so on.",
+            "That the double integral of (11) is d_M H(t) - (K(t) - K(t - d_M)) with H' = z''R z' and K' = H.",
+        ),
+    )
+
+
 @task("(12) to (22)")
 def derivative(case: Case, results: Results) -> None:
     """The derivative of the functional as a quadratic form, and the norm inequality."""
+    results.certificate(derivative_of_11(case))
     for equation, term, vector in (
         (EQUATION_17, "", "col(z, v, zd, zM)"),
         (EQUATION_22, " + B_bar @ w", "col(z, v, zd, zM, w)"),

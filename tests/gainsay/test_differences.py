@@ -177,7 +177,7 @@ def test_an_erratum_that_no_edition_bears_out_is_a_difference(clean, capsys, edi
 
 @pytest.mark.parametrize(
     ("printed", "edition", "field"),
-    [("$A$", "(21) corrected", "printed"), ("", "", "printed"), ("", "(21): 2,2", "edition")],
+    [("$A$", "(21) corrected", "printed"), ("", "", "printed"), ("", "(21): 2,2", "edition"), ("", "(21)$", "edition")],
 )
 def test_an_erratum_says_its_texts_once(clean, printed, edition, field):
     of_a_statement(clean, edition)

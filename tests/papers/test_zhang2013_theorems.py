@@ -43,6 +43,7 @@ from papers.zhang2013.statements import (
     unsound_program,
 )
 from papers.zhang2013.synthesis import ROOM, near_optimum
+from tests.papers.latex_cells import computed
 
 CASE: Case = read_case(Path(__file__).resolve().parents[2], "zhang2013")
 CRAFT = Spacecraft.of(CASE)
@@ -406,3 +407,41 @@ def test_least_squares_design_agrees_with_another_modelling_layer():
     gain, _ = gains_of(found.values)
     other, _ = gains_of({name: v.value for name, v in values.items()})
     np.testing.assert_allclose(gain, other, rtol=2e-3)  # the second solver's digits
+
+
+def test_the_functional_in_antiderivatives_is_that_of_11():
+    # Expected: (11) with its integrals by Gauss' rule, exact for the polynomials taken, z of degree 3.
+    rng, t, d, d_M = np.random.default_rng(2), 0.7, 0.2, 0.5
+    motion = [np.polynomial.Polynomial(c) for c in rng.normal(size=(3, 4))]
+    P1, Q1, Q2, R = (M + M.T for M in rng.normal(size=(4, 3, 3)))
+
+    def along(s: float, *, rate: bool = False) -> np.ndarray:
+        return np.array([(p.deriv() if rate else p)(s) for p in motion])
+
+    def form(M: np.ndarray, *, rate: bool = False) -> np.polynomial.Polynomial:
+        z = [p.deriv() if rate else p for p in motion]
+        return sum((M[i, j] * z[i] * z[j] for i in range(3) for j in range(3)), np.polynomial.Polynomial([0.0]))
+
+    def integral(of, low: float, high: float) -> float:
+        points, weights = np.polynomial.legendre.leggauss(8)
+        half = (high - low) / 2
+        return half * sum(w * of(low + half * (1 + x)) for x, w in zip(points, weights, strict=True))
+
+    expected = along(t) @ P1 @ along(t) + integral(lambda s: along(s) @ Q1 @ along(s), t - d_M, t)
+    expected += integral(lambda s: along(s) @ Q2 @ along(s), t - d, t)
+    turned = lambda s: along(s, rate=True) @ R @ along(s, rate=True)  # noqa: E731  # the integrand of R
+    expected += integral(lambda angle: integral(turned, t + angle, t), -d_M, 0.0)
+    G1, G2, H = form(Q1).integ(), form(Q2).integ(), form(R, rate=True).integ()
+    values = {"z": along(t)[:, None], "P1": P1, "d_M": d_M, "G1": G1(t), "G1M": G1(t - d_M), "G2": G2(t),
+              "G2d": G2(t - d), "H": H(t), "K": H.integ()(t), "KM": H.integ()(t - d_M)}  # fmt: skip
+    text = derivations.FUNCTIONAL.format(**{name: name for name in derivations.LATER})
+    assert computed(text, values).item() == pytest.approx(expected, rel=1e-12)
+
+
+def test_12_is_the_derivative_of_11_and_no_term_may_differ(monkeypatch):
+    assert derivations.derivative_of_11(CASE).conclusions[0].relation == "holds"
+    for term, other in (("d_M * v.T", "v.T"), ("(1 - mu)", "(1 + mu)"), ("- zM.T", "+ zM.T"), ("2 * z.T", "z.T")):
+        with monkeypatch.context() as patched:
+            patched.setattr(derivations, "RATE", derivations.RATE.replace(term, other, 1))
+            with pytest.raises(CertificateError, match="left and right differ"):
+                derivations.derivative_of_11(CASE)

@@ -65,7 +65,7 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_
 QuantityId = Annotated[str, StringConstraints(pattern=r"^[a-z0-9_]+(\.[a-z0-9_]+)*$", max_length=100)]
 Measured = Annotated[str, StringConstraints(pattern=r"^(less|more)( [a-z0-9_.]*\{\}[a-z0-9_.]*)+$")]
 #: label of an edition, and the blocks meant; a statement without blocks has none
-EDITION = r"[^:;]+[^:; ](?:: \(\d+,\d+\)(?: \(\d+,\d+\))*)?"
+EDITION = r"[^:;$]+[^:;$ ](?:: \(\d+,\d+\)(?: \(\d+,\d+\))*)?"
 EDITIONS = rf"^(?:{EDITION}(?:; {EDITION})*)?$"
 Unit = Annotated[str, AfterValidator(_unit)]
 Decimal = Annotated[str, AfterValidator(_decimal)]
