@@ -21,6 +21,10 @@ ROOT = Path(__file__).resolve().parents[2]
 TABLES = MappingTables(numbers={"b": "1.5"}, printed={"A": [["0", "1"], ["-2", "-3"]]}, name="wan2014")
 OF = {
     "contour": "stable",
+    "delays": "stable",
+    "implication": "implication",
+    "not_an_eigenvalue": "eigenvalue",
+    "norm_at_least": "norm",
     "identity": "identity",
     "definite": "definite",
     "farkas": "feasible",
@@ -241,12 +245,33 @@ BOMBS = {
         ("g", "inverse(h) @ inverse(h + h @ h)"), ("a", "sym(inverse(g + g @ g))")]}),
     "semidefinite": ("definite", {"constraint": "r.T @ r >= 0"}, {"definitions": [
         ("r", "row(" + ",".join(f"1/{k}" for k in range(1007, 1407)) + ")")]}),
+    "squares of sums of words": ("implication", {"given": [["h", "X > 0"]], "then": "X > 0",
+                                                 "by": [{"of": "h", "with": "eye(2)"}]},
+                                 {"definitions": [("a", "(x + y + z + w + v)**16"), ("b", "a*a"), ("c", "b*b")],
+                                  "unknowns": {"X": {"shape": [2, 2], "structure": "symmetric"},
+                                               **{name: {} for name in "xyzwv"}}}),
+    "an inverse in long balls": ("not_an_eigenvalue", {"matrix": "sqrt(2)*eye(200)", "real": "1", "imaginary": "0"},
+                                 {"precision": 4096}),
+    "a response in long balls": ("norm_at_least", {"A": "sqrt(2)*eye(250)", "B": "unit(250, 0)", "C": "unit(250, 0).T",
+                                                   "frequency": "1", "gamma": "0"},
+                                 {"precision": 4096, "witness": {"u": [["1", "0"]]}}),
+    "arcs in long balls": ("contour", {"A": "-1*eye(40)", "H": "0.9*eye(40)", "Cz": "eye(40)",
+                                       "blocks": [["full", 40, 40]], "arcs": [f"{k}/300" for k in range(301)],
+                                       "alpha": "0", "scale": "1"},
+                           {"precision": 4096, "witness": {"d": [["1"]] * 300, "P": [
+                               ["1" if i == j else "0" for j in range(40)] for i in range(40)]}}),
+    "delays of a year": ("delays", {"A": "-1", "delayed": ["-0.5", "0.4"], "delays": [["0", "3e7"], ["0", "3e7"]]}, {}),
     "many definitions": ("definite", {"constraint": "1 > 0"}, {"definitions": [
         (f"a{i}", "inverse(eye(300)*3)") for i in range(3000)]}),
 }  # fmt: skip
 
 
-SLOW = ("a product of thousands of unknowns", "a square of thousands of unknowns", "many definitions")
+SLOW = (
+    "delays of a year",
+    "a product of thousands of unknowns",
+    "a square of thousands of unknowns",
+    "many definitions",
+)
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in BOMBS])

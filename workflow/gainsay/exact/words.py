@@ -23,6 +23,8 @@ Word = tuple[Factor, ...]
 Scalars = tuple[tuple[str, int], ...]
 Sum = dict[tuple[Scalars, Word], Fraction]
 _MOST_TERMS = 5_000
+#: units of work of a product of two words, or of an entry in a sum
+_OF_WORD = 2_000
 
 
 class WordsError(ValueError):
@@ -105,7 +107,7 @@ class Words:
         return self.shape == other.shape and (self - other).is_zero
 
     def __neg__(self) -> "Words":
-        return self._scaled(((), ()), Fraction(-1))
+        return self * Words.number(Fraction(-1), self.letters)
 
     def __add__(self, other: "Words") -> "Words":
         if self.shape != other.shape:
@@ -113,9 +115,7 @@ class Words:
         left, right = _alike(self, other)
         blocks = {place: dict(terms) for place, terms in left.blocks.items()}
         for place, terms in right.blocks.items():
-            whole = blocks.setdefault(place, {})
-            for term, coefficient in terms.items():
-                whole[term] = whole.get(term, Fraction(0)) + coefficient
+            _add(blocks.setdefault(place, {}), terms)
         return _made(left.heights, left.widths, blocks, self.letters)
 
     def __sub__(self, other: "Words") -> "Words":
@@ -126,12 +126,11 @@ class Words:
         number, matrix = (self, other) if self.is_number else (other, self)
         if not number.is_number:
             raise WordsError("`*` takes a number; use `@` for matrices")
-        total = nothing(*matrix.shape, self.letters)
-        for term, coefficient in number.blocks.get((0, 0), {}).items():
-            if term[1] and not matrix.is_number:
-                raise WordsError("a factor that is a product of matrices")
-            total = total + matrix._scaled(term, coefficient)
-        return total
+        factor = number.blocks.get((0, 0), {})
+        if any(word for _, word in factor) and not matrix.is_number:
+            raise WordsError("a factor that is a product of matrices")
+        blocks = {place: _product(factor, terms) for place, terms in matrix.blocks.items()}
+        return _made(matrix.heights, matrix.widths, blocks, self.letters)
 
     def __matmul__(self, other: "Words") -> "Words":
         if self.shape[1] != other.shape[0]:
@@ -145,12 +144,7 @@ class Words:
             for (m, j), second in right.blocks.items():
                 if k != m:
                     continue
-                whole = blocks.setdefault((i, j), {})
-                spend(200 * len(first) * len(second), "a product of sums of words")
-                for a, p in first.items():
-                    for b, q in second.items():
-                        term = _joined(a, b)
-                        whole[term] = whole.get(term, Fraction(0)) + p * q
+                _add(blocks.setdefault((i, j), {}), _product(first, second))
         return _made(left.heights, right.widths, blocks, self.letters)
 
     @property
@@ -226,13 +220,6 @@ class Words:
                     break
             else:
                 return heights, widths
-
-    def _scaled(self, term: tuple[Scalars, Word], factor: Fraction) -> "Words":
-        blocks = {
-            place: {_joined(term, own): factor * value for own, value in terms.items()}
-            for place, terms in self.blocks.items()
-        }
-        return _made(self.heights, self.widths, blocks, self.letters)
 
 
 def _alike(one: Words, other: Words) -> tuple[Words, Words]:
@@ -341,6 +328,24 @@ def _joined(left: tuple[Scalars, Word], right: tuple[Scalars, Word]) -> tuple[Sc
         else:
             word.append(factor)
     return tuple(sorted((n, p) for n, p in powers.items() if p)), tuple(word)
+
+
+def _product(left: Sum, right: Sum) -> Sum:
+    """Products of every word of one sum with every word of the other."""
+    spend(_OF_WORD * len(left) * len(right), "a product of sums of words")
+    result: Sum = {}
+    for a, p in left.items():
+        for b, q in right.items():
+            term = _joined(a, b)
+            result[term] = result.get(term, Fraction(0)) + p * q
+    return result
+
+
+def _add(whole: Sum, terms: Sum) -> None:
+    """Add words to a sum, in place."""
+    spend(_OF_WORD * len(terms), "a sum of words")
+    for term, coefficient in terms.items():
+        whole[term] = whole.get(term, Fraction(0)) + coefficient
 
 
 def _common(one: Sequence[int], other: Sequence[int]) -> tuple[int, ...]:

@@ -36,7 +36,7 @@ from itertools import pairwise
 from flint import acb, acb_mat, arb, ctx, fmpq
 
 from gainsay.exact.blocks import block, diagonal
-from gainsay.exact.budget import spend
+from gainsay.exact.budget import multiply_cost, spend
 from gainsay.exact.definite import cholesky_factor, hermitian_positive_definite
 from gainsay.exact.matrix import Matrix, eye, zeros
 from gainsay.exact.rational import to_fmpq, to_text
@@ -250,7 +250,8 @@ class _Arc:
         return depth
 
     def _whole(self, low: Fraction, high: Fraction) -> bool:
-        spend(30_000 + 25 * (self.plant.a.nrows() + self.form_unit.nrows()) ** 3, "a piece of an arc")
+        size = self.plant.a.nrows() + self.form_unit.nrows()
+        spend(30_000 + (60 + multiply_cost(ctx.prec, ctx.prec)) * size**3, "a piece of an arc")
         try:
             distance = self._from_chord(low, high)
             if distance is None:

@@ -8,9 +8,9 @@ real and imaginary parts.
 Reference: K. Zhou, J. C. Doyle, K. Glover, Robust and Optimal Control, Prentice Hall 1996, section 4.3.
 """
 
-from flint import acb, acb_mat, arb
+from flint import acb, acb_mat, arb, ctx
 
-from gainsay.exact.budget import spend
+from gainsay.exact.budget import multiply_cost, spend
 from gainsay.exact.rational import to_fmpq, to_text
 from gainsay.proof.kinds import Proved
 from gainsay.proof.scope import Scope
@@ -31,7 +31,7 @@ def prove(scope: Scope) -> list[Proved]:
         raise scope.fail("field 'gamma' must not be negative")
     point = acb(0, arb(to_fmpq(frequency)))
     size = a.nrows()
-    spend(200 * size**3, "a frequency response")
+    spend((60 + multiply_cost(ctx.prec, ctx.prec)) * size**3, "a frequency response")
     parts = scope.witness("u", (b.ncols(), 2))
     u = acb_mat([[acb(arb(re), arb(im))] for re, im in parts.rows()])
     if all(x == 0 for row in parts.rows() for x in row):

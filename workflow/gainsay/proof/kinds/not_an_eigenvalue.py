@@ -9,10 +9,10 @@ Reference: S. M. Rump, "Verification methods: rigorous results using floating-po
 (2010) 287-449.
 """
 
-from flint import acb, acb_mat, arb
+from flint import acb, acb_mat, arb, ctx
 
 from gainsay.exact.ball import decimal_below, lower
-from gainsay.exact.budget import spend
+from gainsay.exact.budget import multiply_cost, spend
 from gainsay.exact.matrix import Matrix
 from gainsay.exact.rational import to_fmpq, to_text
 from gainsay.proof.kinds import Proved
@@ -37,7 +37,7 @@ def row_norm(matrix: acb_mat) -> arb:
 def distance(a: Matrix, point: acb) -> arb:
     """Lower bound on the distance of every eigenvalue from a point; at most 0 where nothing is proved."""
     size = a.shape[0]
-    spend(400 * size**3, "an inverse")
+    spend(2 * (60 + multiply_cost(ctx.prec, ctx.prec)) * size**3, "an inverse")
     unit = acb_mat([[int(i == j) for j in range(size)] for i in range(size)])
     regular = unit * point - acb_mat(a.to_ball().data)
     try:
