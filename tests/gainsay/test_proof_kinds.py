@@ -292,6 +292,11 @@ def test_feasible_point_with_exact_equations():
         build.feasible_point(fields=fields, point=point, **common)
 
 
+@pytest.mark.parametrize("constraints", [[], "x > 0", [["a"]], [["a", "x > 0"], ["a", "x < 2"]]])
+def test_constraints_are_pairs_of_different_names(constraints):
+    assert "constraint" in refused("feasible", {"constraints": constraints}, {"x": "1"}, unknowns={"x": {}})
+
+
 def test_a_feasible_point_bounds_one_objective():
     """Of two, a bound from below of the one would read as a bound of the other: x = 1, and 100 x is at least 100."""
     fields = {"constraints": [["a", "x > 0"]], "minimise": "x", "maximise": "100 * x"}

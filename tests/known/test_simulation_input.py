@@ -62,6 +62,8 @@ REFUSED = {
     "four angles": lambda: attitude.euler_rates([0, 0, 0, 0], np.zeros(3), 1e-3),
     **{f"an orbit at {angle!r}": lambda angle=angle, of=of: getattr(KeplerOrbit(3.986e14, 7e6, 0.3), of)(angle)
        for angle in (NAN, INF) for of in ("radius", "frame_motion", "inertial_state")},
+    **{f"an orbit of {numbers}, beyond doubles": lambda numbers=numbers: KeplerOrbit(*numbers, 0.1)
+       for numbers in ((3.986e14, 1e308), (3.986e14, 1e-300), (1e-308, 7e6), (1e308, 1e10), (1e300, 1e200))},
 }  # fmt: skip
 
 
@@ -136,3 +138,14 @@ def test_a_periodic_solution_beyond_doubles_is_refused_without_a_warning():
     # x' = 1e4 x for 200 s: e^(2e6)
     with pytest.raises(ComputationError, match="leaves double precision"):
         PeriodicSolution(lambda t: np.array([[1e4]]), 1.0, np.array([1.0]), 200)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_slope_beyond_doubles_ends_an_integration_without_a_warning():
+    with pytest.raises(ComputationError, match="integration: DOP853 gave up"):
+        integrate(lambda t, x: 1e200 * x, [1.0], 2.0)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_body_at_the_end_of_doubles_is_one():
+    assert (attitude.inertia_matrix([1e308, 1e308, 1e308]) == np.diag([1e308] * 3)).all()

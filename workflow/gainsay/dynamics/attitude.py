@@ -121,7 +121,7 @@ def inertia_matrix(inertia: ArrayLike) -> np.ndarray:
     if J.shape != (3, 3) or not np.allclose(J, J.T, rtol=1e-12, atol=0):
         raise InputError("inertia", value=J.shape, expected="three principal moments or a symmetric 3x3 matrix")
     moments = np.linalg.eigvalsh(J)
-    if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-12):
+    if moments[0] <= 0 or moments[2] / 2 > (moments[0] / 2 + moments[1] / 2) * (1 + 1e-12):
         raise InputError(
             "inertia", value=moments.tolist(), expected="positive moments, none above the sum of the others"
         )

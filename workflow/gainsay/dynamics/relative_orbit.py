@@ -31,9 +31,16 @@ def _require_positive(**values: float) -> None:
 
 
 def mean_motion(gravitational_parameter: float, semi_major_axis: float) -> float:
-    """Return the mean motion sqrt(mu / a^3), rad/s; raises InputError unless both are positive."""
+    """Return the mean motion sqrt(mu / a^3), rad/s; raises InputError unless it and both numbers are positive."""
     _require_positive(gravitational_parameter=gravitational_parameter, semi_major_axis=semi_major_axis)
-    return math.sqrt(gravitational_parameter / semi_major_axis**3)
+    try:
+        rate = math.sqrt(gravitational_parameter / semi_major_axis**3)
+    except (OverflowError, ZeroDivisionError):
+        rate = 0.0
+    if not 0 < rate < math.inf:
+        numbers = (gravitational_parameter, semi_major_axis)
+        raise InputError("", field="mu, a", value=numbers, expected="a mean motion within the range of doubles")
+    return rate
 
 
 def clohessy_wiltshire(rate: float) -> np.ndarray:
@@ -80,7 +87,8 @@ class KeplerOrbit:
     Raises
     ------
     InputError
-        If the first two are not positive, or the eccentricity is not that of an ellipse.
+        If the first two are not positive, a motion with them leaves double precision, or the eccentricity is not that
+        of an ellipse.
     """
 
     gravitational_parameter: float
@@ -91,6 +99,9 @@ class KeplerOrbit:
         _require_positive(gravitational_parameter=self.gravitational_parameter, semi_major_axis=self.semi_major_axis)
         if not 0 <= real_number(self.eccentricity, "eccentricity") < 1:
             raise InputError("", field="eccentricity", value=self.eccentricity, expected="at least 0, below 1")
+        whole = (self.mean_motion, self.angular_momentum, self.angular_momentum / self.semi_latus_rectum)
+        if not all(0 < number < math.inf for number in whole):
+            raise InputError("", field="orbit", value=whole, expected="a motion within the range of doubles")
 
     @cached_property
     def mean_motion(self) -> float:

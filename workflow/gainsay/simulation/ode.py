@@ -138,9 +138,11 @@ def integrate(
     while time < end:
         guarded = Guarded(right_hand_side, np.size(start), end)
         try:
-            leg = scipy.integrate.solve_ivp(
-                guarded, (time, end), state, method, rtol=rtol, atol=atol, dense_output=True, events=kinks or None
-            )
+            # what leaves double precision is said in one line below
+            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+                leg = scipy.integrate.solve_ivp(
+                    guarded, (time, end), state, method, rtol=rtol, atol=atol, dense_output=True, events=kinks or None
+                )
         except (ValueError, np.linalg.LinAlgError) as error:  # of matrices that hold an infinite derivative or slope
             if guarded.infinite is None and _NOT_FINITE not in str(error):
                 raise

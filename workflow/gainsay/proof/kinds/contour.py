@@ -250,8 +250,8 @@ class _Arc:
         return depth
 
     def _whole(self, low: Fraction, high: Fraction) -> bool:
-        size = self.plant.a.nrows() + self.form_unit.nrows()
-        spend(30_000 + (60 + multiply_cost(ctx.prec, ctx.prec)) * size**3, "a piece of an arc")
+        rows = self.plant.a.nrows() + self.form_unit.nrows()
+        spend(30_000 + (60 + multiply_cost(ctx.prec, ctx.prec)) * rows**3, "a piece of an arc")
         try:
             distance = self._from_chord(low, high)
             if distance is None:
