@@ -92,6 +92,8 @@ def test_equal_expressions_are_seen_to_be_equal(text, other):
         ("A + B", "shapes"),
         ("A/B", "not part of a derivation"),
         ("A*B", "takes a number"),
+        ("x.T@x * A", "a product of matrices"),
+        ("(e + x.T@x) * A", "a product of matrices"),
         ("printed('A')", "not part of a derivation"),
         ("A[0:2, 0:2]", "not part of a derivation"),
         ("Q", "unknown name"),
