@@ -1,5 +1,8 @@
 """published.csv: a row for every number that a paper publishes, judged entry by entry."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -52,6 +55,18 @@ def test_entries_of_a_gain_are_judged_one_by_one(rows):
     assert rows["gain", "K(2,2)"]["verdict"] == "undetermined"  # not determined, though it agrees
     assert rows["gain", "alone(1,1)"]["verdict"] == "reproduced"  # no range was computed beside it
     assert (rows["gain", "lost(1,1)"]["verdict"], rows["gain", "lost(1,1)"]["recomputed"]) == ("uncheckable", "")
+
+
+def test_a_printed_gain_that_no_program_gives_again_is_uncheckable(project):
+    case = project.case()
+    Results(case, "audit").close()
+    verdicts(case)
+    ours = SimpleNamespace(matrices={"A": None, "weight": None})  # the second stands for no printed matrix
+    case = replace(case, designs={"ours": ours}, paper=case.paper.model_copy(update={"printed": {"A": "K"}}))
+    gains = [row for row in published_rows(case) if row["what"] == "gain"]
+    assert [row["entry"] for row in gains] == ["K(1,1)", "K(1,2)", "K(2,1)", "K(2,2)"]
+    assert [row["published"] for row in gains] == [e.text for row in case.printed("K").rows for e in row]
+    assert {(row["verdict"], row["recomputed"], row["identified"]) for row in gains} == {("uncheckable", "", "")}
 
 
 def test_poles_are_judged_with_the_rounding_of_the_gains(rows):

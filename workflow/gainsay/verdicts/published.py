@@ -100,6 +100,19 @@ def _gain_rows(case: Case) -> Iterator[dict[str, str]]:
         )
 
 
+def _unidentified_rows(case: Case) -> Iterator[dict[str, str]]:
+    """Entries of printed gains that no program of the paper gives again: there is nothing to hold them against."""
+    resynthesised = {row["gain"] for row in read_returned(case.results / "gains.csv", case.root)}
+    matrices = [matrix for design in case.designs.values() for matrix in design.matrices]
+    for name in dict.fromkeys(case.paper.printed.get(matrix, matrix) for matrix in matrices):
+        parameter = case.parameters.get(name)
+        if name in resynthesised or parameter is None or (parameter.type, parameter.status) != ("matrix", "printed"):
+            continue
+        for i, row in enumerate(case.printed(name).rows, 1):
+            for j, entry in enumerate(row, 1):
+                yield _row(case, what="gain", entry=f"{name}({i},{j})", published=entry.text, verdict="uncheckable")
+
+
 def _pole_rows(case: Case) -> Iterator[dict[str, str]]:
     for row in read_returned(case.results / "poles.csv", case.root):
         value, radius = float(row["recomputed"]), float(row["radius"])
@@ -152,7 +165,7 @@ def _claim_rows(case: Case) -> Iterator[dict[str, str]]:
 
 
 def published_rows(case: Case) -> list[dict[str, str]]:
-    """Return a row for every number that a paper publishes and that is held against one of ours.
+    """Return a row for every number that a paper publishes, held against one of ours where there is one.
 
     Returns
     -------
@@ -164,7 +177,7 @@ def published_rows(case: Case) -> list[dict[str, str]]:
     InputError
         If a results table is missing or malformed.
     """
-    return [*_gain_rows(case), *_pole_rows(case), *_claim_rows(case)]
+    return [*_gain_rows(case), *_unidentified_rows(case), *_pole_rows(case), *_claim_rows(case)]
 
 
 def summary(rows: Iterable[Row]) -> list[str]:
