@@ -14,6 +14,8 @@ from gainsay.tables import Case
 #: positions of the states of `ClosedLoop` in its state vector
 POSITION, VELOCITY, ESTIMATE = slice(0, 3), slice(3, 6), slice(6, 12)
 ANOMALY, COST, DELTA_V, SQUARED_ERROR = 12, 13, 14, 15
+#: position of the force behind the states of plant and observer
+FORCE = slice(12, 15)
 AXES = ("x", "y", "z")
 
 
@@ -96,8 +98,12 @@ class ClosedLoop:
 
     def thrust(self, estimate: np.ndarray) -> np.ndarray:
         """Return the thrust applied, (..., 3) N, for estimates (..., 6)."""
-        commanded = -estimate @ self.K.T
+        commanded = estimate @ self._feedback
         return np.clip(commanded, -self.limits, self.limits) if self.clipped else commanded
+
+    @cached_property
+    def _feedback(self) -> np.ndarray:
+        return -self.K.T
 
     def right_hand_side(self) -> Callable[[float, np.ndarray], np.ndarray]:
         """Return f(t, x) for the 16 states; see the slices of this module."""
@@ -106,11 +112,15 @@ class ClosedLoop:
         e, n = self.case.number("eccentricity"), self.case.number("mean_motion")
         start_anomaly, A = self.case.number("mean_anomaly_at_start"), self.model.A
         h = orbit.angular_momentum
-        # Rows of the position and of the estimate (7), by the states and by the force.
-        rates, pushes = np.zeros((16, 12)), np.zeros((16, 3))
-        rates[POSITION, VELOCITY] = np.eye(3)
-        rates[ESTIMATE, :6], rates[ESTIMATE, ESTIMATE] = self.L @ C, self.model.A - self.L @ C
-        pushes[VELOCITY], pushes[ESTIMATE] = np.eye(3) / mass, self.model.B
+        # All that is linear in state, estimate and force, in one product: rows of the position, of the velocity by the
+        # force and of the estimate (7); the weights of the cost; the error.
+        linear = np.zeros((37, 15))
+        linear[POSITION, VELOCITY] = np.eye(3)
+        linear[ESTIMATE, :6], linear[ESTIMATE, ESTIMATE] = self.L @ C, self.model.A - self.L @ C
+        linear[VELOCITY, FORCE], linear[ESTIMATE, FORCE] = np.eye(3) / mass, self.model.B
+        linear[16:22, :6], linear[28:31, FORCE] = Q, R
+        linear[31:, :6], linear[31:, ESTIMATE] = np.eye(6), -np.eye(6)
+        z = np.zeros(15)
 
         def linear_acceleration(t: float, x: np.ndarray) -> np.ndarray:
             return ((A + noncircular_part(e, n, n * t + start_anomaly)) @ x)[3:]
@@ -119,14 +129,14 @@ class ClosedLoop:
             return relative_acceleration(orbit, anomaly, x[:3], x[3:])
 
         def derivative(t: float, state: np.ndarray) -> np.ndarray:
-            x, estimate, anomaly = state[:6], state[ESTIMATE], float(state[ANOMALY])
-            force = self.thrust(estimate)
-            slope = rates @ state[:12] + pushes @ force
+            x, anomaly, force = state[:6], float(state[ANOMALY]), self.thrust(state[ESTIMATE])
+            z[:12], z[FORCE] = state[:12], force
+            found = linear @ z
+            slope, weighted, error = found[:16], found[16:31], found[31:]
             slope[VELOCITY] += linear_acceleration(t, x) if self.linear else two_body_acceleration(x.tolist(), anomaly)
             slope[ANOMALY] = h / orbit.radius(anomaly) ** 2
-            slope[COST] = x @ Q @ x + force @ R @ force
+            slope[COST] = z @ weighted
             slope[DELTA_V] = math.sqrt(force @ force) / mass
-            error = x - estimate
             slope[SQUARED_ERROR] = error @ error
             return slope
 
