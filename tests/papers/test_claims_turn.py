@@ -1,10 +1,8 @@
 """A physical input under which each claim on a number or a scan of zhang2013 and pinheiro2013 turns."""
 
-from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -12,11 +10,10 @@ from scipy.linalg import block_diag
 
 from gainsay.errors import CertificateError
 from gainsay.proof import Certificate
-from gainsay.scans.criterion import NUMERIC, criteria
 from gainsay.systems.delay_spectrum import hinf_norm as delayed_norm
 from gainsay.systems.delay_spectrum import spectral_abscissa, unstable_root_count
 from gainsay.systems.norms import h2_norm, hinf_norm
-from gainsay.tables import Case, read_case
+from gainsay.tables import read_case
 from papers.pinheiro2013 import audit, scans, scans_studies
 from papers.pinheiro2013 import conditions as mixed
 from papers.pinheiro2013 import conditions_pitch as pitch
@@ -24,6 +21,7 @@ from papers.pinheiro2013.plant import generalized_plant, linear_model, reconstru
 from papers.zhang2013 import proofs
 from papers.zhang2013 import response as flight
 from papers.zhang2013.plant import Spacecraft
+from tests.papers.turning import changed, turns
 
 ROOT = Path(__file__).parents[2]
 ZHANG, PINHEIRO = (read_case(ROOT, paper) for paper in ("zhang2013", "pinheiro2013"))
@@ -33,24 +31,6 @@ def middle(proved: Certificate) -> float:
     """Middle of what a certificate encloses."""
     low, high = next(c.value for c in proved.conclusions if c.relation == "inside").split("..")
     return float((Fraction(low) + Fraction(high)) / 2)
-
-
-def changed(case: Case, **values: str) -> Case:
-    """The case with other values of numbers."""
-    rows = dict(case.parameters)
-    for name, value in values.items():
-        rows[name] = rows[name].model_copy(update={"value": value})
-    return replace(case, parameters=MappingProxyType(rows))
-
-
-def turns(case: Case, quantity: str, values: list[float]) -> None:
-    """Hold values against every claim on a quantity: some must be met, and some not."""
-    asked = [c for c in case.claims.values() if c.quantity == quantity and c.comparator in NUMERIC]
-    assert asked, quantity
-    for claim in asked:
-        strict, lenient = criteria(claim)[0], criteria(claim)[-1]
-        assert any(lenient.holds(value) for value in values), claim.id
-        assert not all(strict.holds(value) for value in values), claim.id
 
 
 # --- pinheiro2013 -----------------------------------------------------------------------------------------------------
