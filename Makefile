@@ -5,13 +5,13 @@
 # make docs       write the generated documentation            make clean      remove results
 # make kernels    run as other machines would, check           make versions   run with older and newer libraries, check
 # make nightly    all that is too long for a change           make look       pages and logs of results, in their viewers
-# make slurm      a campaign through Slurm, on this machine
+# make slurm      a campaign through Slurm, on this machine    make pictures   those of README, from the results
 
 PYTHON ?= python3
 BIN := .venv/bin
 RUN := PATH="$(CURDIR)/$(BIN):$$PATH" VIRTUAL_ENV="$(CURDIR)/.venv"
 
-.PHONY: environment all test test-slow look lint lock record bench gallery docs clean kernels kernels-quick versions slurm nightly
+.PHONY: environment all test test-slow look pictures lint lock record bench gallery docs clean kernels kernels-quick versions slurm nightly
 
 all: environment
 	@$(RUN) gainsay lint
@@ -30,6 +30,9 @@ test-slow: environment
 
 look: environment
 	@$(RUN) pytest -n 2 -m slow tests/end_to_end/test_page.py tests/end_to_end/test_foxglove.py
+
+pictures: environment
+	@$(RUN) python -m tests.end_to_end.pictures
 
 lint: environment
 	@$(RUN) ruff check .

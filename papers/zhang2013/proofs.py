@@ -200,14 +200,14 @@ def definite_slack(case: Case) -> list[Certificate]:
     rows = {row: i for i, row in enumerate(ROWS)}
     for edition, form in (("printed", equation_23), ("corrected", corrected_23)):
         given = form("a")
-        for row, weight, conclusion, name, quantity in (
-            ("e'", "R2", "l2 * sym(P22) > 0", "p22-positive", "theorem2.p22_positive"),
-            ("x'", "R1", "l1 * sym(X) > 0", "x-definite", "theorem2.x_definite"),
+        for row, weight, conclusion, said, name, quantity in (
+            ("e'", "R2", "l2 * sym(P22) > 0", "lambda2 (P22 + P22')", "p22-positive", "theorem2.p22_positive"),
+            ("x'", "R1", "l1 * sym(X) > 0", "lambda1 (P21-bar + P21-bar')", "x-definite", "theorem2.x_definite"),
         ):
             size = SIZES[row]
             blocks = [f"zeros({n}, {size})" if i != rows[row] else f"eye({size})" for i, n in enumerate(SIZES.values())]
             column = f"col({', '.join(blocks)})"
-            sentence = f"Where (23a), {edition}, holds and {weight} > 0, {conclusion}."
+            sentence = f"Where (23a), {edition}, holds and {weight} > 0, {said} is positive definite."
             made.append(
                 implication(
                     case,

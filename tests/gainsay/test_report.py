@@ -325,6 +325,8 @@ def test_a_measure_is_named_by_what_its_designs_share():
     for measure in (measure for table in comparisons(found) for measure in table.measures):
         assert r"\gamma" not in measure.meaning, measure
         assert "reconstruction" in measure.meaning
+    (wan,) = comparisons(read_results(read_case(find_root(Path(__file__)), "wan2014")))
+    assert "$J$ of (4) over the horizon" in [measure.meaning for measure in wan.measures]  # without "printed gains"
 
 
 def test_a_printed_matrix_of_another_name_stands_beside_ours():

@@ -1,5 +1,6 @@
 """Designs beside the printed one, or beside one of ours where none is printed: every measure, and their gains."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -14,6 +15,8 @@ from gainsay.tables.reading import PrintedMatrix
 
 #: relative difference below which two designs are called alike
 ALIKE = 1e-3
+#: what stands between the parts of a meaning
+_PARTS = re.compile(", |: ")
 
 
 @dataclass(frozen=True)
@@ -94,7 +97,7 @@ def _measure(results: PaperResults, quantity: str, quantities: Mapping[str, str]
 
 def _shared(meaning: str, others: Sequence[str]) -> str:
     """Return the parts of a meaning that those of other designs have too; all of it where its head is its own."""
-    parts = [part for part in meaning.split(", ") if all(part in other.split(", ") for other in others)]
+    parts = [part for part in _PARTS.split(meaning) if all(part in _PARTS.split(other) for other in others)]
     return ", ".join(parts) if parts and meaning.startswith(parts[0]) else meaning
 
 
