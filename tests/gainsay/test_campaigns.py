@@ -302,7 +302,7 @@ def test_a_figure_stays_small_however_many_points_there_are(case):
     small = plan(case, SCAN)
     assert (small.step, small.label(0), list(small.side(0))[-1]) == (1, "x", 1.0)
     large = plan(case, SCAN, resolution="450x7")
-    assert (large.step, large.label(0), len(large.side(0)), len(large.side(1))) == (3, "x (every 3 values)", 150, 3)
+    assert (large.step, large.label(0), len(large.side(0)), len(large.side(1))) == (3, "x (one of 3 values)", 150, 3)
     index = np.arange(450 * 7)
     figure = Figure()
     large.evaluation.draw(

@@ -19,6 +19,8 @@ COLOURS = {FEASIBLE: "#4c9f70", INFEASIBLE: "#b5495b", UNDECIDED: "#c9c9c9"}
 _MARKERS = {FEASIBLE: "o", INFEASIBLE: "x", UNDECIDED: "s"}
 #: values of a third input that are drawn beside each other
 _PANELS = 4
+#: points of type that the marks along a side may take together, so that they do not hide each other
+_ROOM = 400
 #: digits that multipliers are rounded to: with fewer, hardly any keep the room that they were given
 _DIGITS = (9, 12)
 
@@ -131,9 +133,10 @@ def _draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> 
     panels = figure.subplots(1, layers, sharex=True, sharey=True, squeeze=False)[0]
     seen, counted = _seen(plan, rows, layers)
     x, y = plan.side(0), plan.side(1) if plane else np.zeros(1)
+    size = min(14.0, (_ROOM / layers / max(len(x), len(y))) ** 2)
     for (layer, outcome), grid in seen.items():
         i, j = np.nonzero(grid)
-        panels[layer].scatter(x[i], y[j], s=14, marker=_MARKERS[outcome], color=COLOURS[outcome], linewidths=1)
+        panels[layer].scatter(x[i], y[j], s=size, marker=_MARKERS[outcome], color=COLOURS[outcome], linewidths=1)
     for layer, axes in enumerate(panels):
         axes.set_xlabel(plan.label(0))
         axes.set_xscale("log" if plan.axes[0].logarithmic else "linear")

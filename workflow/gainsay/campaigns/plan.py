@@ -130,7 +130,7 @@ class Plan:
 
     def label(self, number: int) -> str:
         """Name of an input as a figure shows it."""
-        return self.axes[number].name + (f" (every {self.step} values)" if self.step > 1 else "")
+        return self.axes[number].name + (f" (one of {self.step} values)" if self.step > 1 else "")
 
     def blocks(self, chunk: int | None = None) -> Iterator["Block"]:
         """Yield the blocks of one chunk, or all, in the order of their points.
