@@ -16,7 +16,7 @@ from gainsay.systems.regions import HalfPlane
 from gainsay.tables import read_case
 from papers.li2021 import audit as inspection
 from papers.li2021 import plant as satellite
-from papers.li2021 import response, runs
+from papers.li2021 import response
 from papers.wan2014 import audit as rendezvous
 from papers.wan2014 import plant as chaser
 from papers.wan2014 import scans
@@ -63,7 +63,7 @@ def flexible_abscissa(gains: satellite.Gains) -> float:
 def flown(gains: satellite.Gains, horizon: str) -> dict[str, float]:
     """Shares of the largest excursion in the last 100 s, and the largest torque."""
     loop = response.FlexibleLoop(changed(LI, horizon=horizon), gains)
-    return {name: value for name, (_, value, _) in runs.extremes(loop, loop.solve(20)).items()}
+    return {name: value for name, (_, value, _) in loop.extremes(loop.solve(20)).items()}
 
 
 LI_VALUES = {
