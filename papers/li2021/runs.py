@@ -9,22 +9,19 @@ from gainsay.logs import (
     Appendage,
     Body,
     Bound,
-    Columns,
-    Layout,
     Line,
     Log,
     LogWriter,
     Measure,
     Measured,
     Plot,
-    Rows,
     RunSpec,
     Scene,
     Simulate,
-    Tab,
-    about_tab,
+    default_layout,
     lines,
     measuring,
+    tab,
 )
 from gainsay.simulation.periodic import PeriodicSolution
 from gainsay.tables import Case
@@ -196,59 +193,42 @@ LOOK = {
     "best": "Look at: torque and time to settle; compare with `proposed`.",
 }
 
-LAYOUT = Layout(
+_SIZE = Plot(
+    "Norm of the torque [N m]",
+    (Line("/wheels/torque_size", "size", "norm", "magnitude"),),
+    bounds=(Bound("torque", "u_max", sides=("upper",)),),
+    until=_SHOWN,
+)
+_SCENE = Scene(
+    "Body axes against LVLH",
+    "lvlh",
+    elements=("satellite", "torque"),
+    axes=("lvlh", "body"),
+    direction=(4.0, 3.0, 2.0),
+)
+_VARIATION = (Line("/controller/variation", "delta", "delta", "perturbed"),)
+
+LAYOUT = default_layout(
     "li2021",
-    (
-        Tab(
-            "Attitude",
-            Columns(
-                Scene(
-                    "Body axes against LVLH",
-                    "lvlh",
-                    elements=("satellite", "torque"),
-                    axes=("lvlh", "body"),
-                    direction=(4.0, 3.0, 2.0),
-                ),
-                Rows(
-                    Plot("Euler angles [deg]", ANGLES_SHOWN, until=_SHOWN),
-                    Plot("Euler rates [deg/s]", lines("/attitude/rates_deg_s", tuple(ANGLE_FIELDS)), until=_SHOWN),
-                    Plot("Control torque [N m]", TORQUE_SHOWN, until=_SHOWN),
-                    Plot(
-                        "Norm of the torque [N m]",
-                        (Line("/wheels/torque_size", "size", "norm", "magnitude"),),
-                        bounds=(Bound("torque", "u_max", sides=("upper",)),),
-                        until=_SHOWN,
-                    ),
-                ),
-                shares=(1, 1),
-            ),
-        ),
-        Tab(
-            "Appendages",
-            Rows(
-                Plot("Modal coordinates, first minute [kg^0.5 m]", MODES_SHOWN, until=_SHOWN),
-                Plot("Modal coordinates [kg^0.5 m]", MODES_SHOWN),
-            ),
-        ),
-        Tab(
-            "Whole run",
-            Rows(
-                Plot("Euler angles, whole run [deg]", ANGLES_SHOWN),
-                Plot("Control torque, whole run [N m]", TORQUE_SHOWN),
-            ),
-        ),
-        Tab(
-            "Gain variation",
-            Rows(
-                Plot(
-                    "Common gain variation [1]",
-                    until=_VARIED,
-                    lines=(Line("/controller/variation", "delta", "delta", "perturbed"),),
-                )
-            ),
-            runs=PERIODIC,
-        ),
-        about_tab(ABOUT),
+    ABOUT,
+    tab(
+        "Attitude",
+        Plot("Euler angles [deg]", ANGLES_SHOWN, until=_SHOWN),
+        Plot("Euler rates [deg/s]", lines("/attitude/rates_deg_s", tuple(ANGLE_FIELDS)), until=_SHOWN),
+        Plot("Control torque [N m]", TORQUE_SHOWN, until=_SHOWN),
+        _SIZE,
+        scene=_SCENE,
     ),
+    tab(
+        "Appendages",
+        Plot("Modal coordinates, first minute [kg^0.5 m]", MODES_SHOWN, until=_SHOWN),
+        Plot("Modal coordinates [kg^0.5 m]", MODES_SHOWN),
+    ),
+    tab(
+        "Whole run",
+        Plot("Euler angles, whole run [deg]", ANGLES_SHOWN),
+        Plot("Control torque, whole run [N m]", TORQUE_SHOWN),
+    ),
+    tab("Gain variation", Plot("Common gain variation [1]", _VARIATION, until=_VARIED), runs=PERIODIC),
     look=LOOK,
 )

@@ -6,8 +6,8 @@ import numpy as np
 
 from gainsay.results import Results, task
 from gainsay.statements import differing, identical
-from gainsay.systems import loop_proofs
 from gainsay.systems.spectrum import spectral_abscissa
+from gainsay.systems.uncertain_plant import UncertainPlant
 from gainsay.tables import Case
 from papers.pinheiro2013 import proofs, statements
 from papers.pinheiro2013.plant import RECONSTRUCTIONS, generalized_plant, linear_model, reconstruction
@@ -272,21 +272,15 @@ def robustness(case: Case, results: Results) -> None:
                         spectral_abscissa(A - B @ K)
                         for A, B in (linear_model(satellite.changed(corner), group) for corner in corners)
                     )
-                    _certify_vertices(
-                        case,
+                    _over_box(
                         results,
-                        f"robust-{design}-{group}",
                         f"{name}.{level}.worst_abscissa.{group}",
-                        design,
-                        group,
                         worst,
+                        statements.uncertain(case, design, group, "number('inertia_change')"),
+                        id=f"robust-{design}-{group}".replace("_", "-"),
+                        of=f"{design}, {group}",
                         within="10 %",
-                    )
-                    results.quantity(
-                        f"{name}.{level}.worst_abscissa.{group}",
-                        worst,
                         source="(11), Section 5",
-                        method="eigenvalues at the eight corners; the certificate bounds it over the whole box",
                     )
                 guaranteed = case.exact("inertia_change") / case.exact(parameter)
                 results.enclosed(
@@ -310,57 +304,41 @@ def small_gain(case: Case, results: Results) -> None:
     for name in RECONSTRUCTIONS:
         for group in SEPARATE:
             with results.apart():
-                design, quantity = f"{name}_hinf", f"{name}.gamma_0.2.small_gain_abscissa.{group}"
+                design = f"{name}_hinf"
                 plant, K = generalized_plant(reconstruction(case, name), group), case.designs[design][f"K_{group}"]
                 worst = max(spectral_abscissa(A - B @ K) for A, B in (plant.uncertain(d) for d in delta))
-                _certify_vertices(
-                    case,
+                _over_box(
                     results,
-                    f"small-gain-{name}-{group}",
-                    quantity,
-                    design,
-                    group,
+                    f"{name}.gamma_0.2.small_gain_abscissa.{group}",
                     worst,
+                    statements.uncertain(case, design, group, "number('inertia_change')/number('gamma_min')"),
+                    id=f"small-gain-{name}-{group}".replace("_", "-"),
+                    of=f"{design}, {group}",
                     within=f"{100 * most:g} %",
-                    share="number('inertia_change')/number('gamma_min')",
-                )
-                results.quantity(
-                    quantity,
-                    worst,
                     source="||Delta|| < 1/gamma",
-                    method="eigenvalues at the eight corners; the certificate bounds it over the whole box",
                 )
     results.say("small gain", f"stability for changes up to {100 * most:g} % certified for four loops")
 
 
-def _certify_vertices(
-    case: Case,
-    results: Results,
-    id: str,
-    quantity: str,
-    design: str,
-    group: str,
-    worst: float,
-    *,
-    within: str,
-    **definitions: str,
+def _over_box(
+    results: Results, quantity: str, worst: float, loops: UncertainPlant, *, id: str, of: str, within: str, source: str
 ) -> None:
-    """Prove a spectral abscissa over the whole box by one Lyapunov matrix at its vertices."""
+    """Prove a spectral abscissa over the whole box by one Lyapunov matrix; the quantity is its worst at the corners."""
     results.certificate(
-        loop_proofs.box_left_of(
-            case,
-            statements.vertices(group),
+        loops.left_of(
+            "varied",
             (f"{0.5 * worst:.6g}", "0"),
-            definitions={**statements.inputs(design[0]), **definitions, "K": f"design('{design}', 'K_{group}')"},
-            id=id.replace("_", "-"),
-            statement=f"The loop {design}, {group}, is stable for every change of the moments within "
-            f"{within}, with one P.",
+            id=id,
+            statement=f"The loop {of}, is stable for every change of the moments within {within}, with one P.",
             quantities={"abscissa": quantity},
-            faith=(
-                "That every closed loop of the box is a convex combination of the vertices: each row of (8) is affine"
-                " in 1/I of its axis and in each moment that it multiplies.",
-            ),
+            faith=("That (8) with other moments of inertia is this matrix at those moments and their inverses.",),
         )
+    )
+    results.quantity(
+        quantity,
+        worst,
+        source=source,
+        method="eigenvalues at the eight corners; the certificate bounds it over the whole box",
     )
 
 

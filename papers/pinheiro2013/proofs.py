@@ -94,11 +94,11 @@ def not_equivalent(case: Case, results: Results) -> None:
         norm = h2_norm(A, B, C)
         low, high = (f"{norm * (1 + sign * _ROOM):.8g}" for sign in (-1, 1))
         results.prove(
-            loop_proofs.h2_norm_between(
+            loop_proofs.h2_norm_below(
                 case,
                 {"A": "closed_A", "B": "B1", "C": "closed_C2"},
-                low,
                 high,
+                lower=low,
                 definitions=statements.closed("b", "pitch", formulas[name]),
                 id=f"eq20-{name}",
                 statement=f"Bounds on the H2 norm from w to z_2 of the {name} gain at gamma = 2, pitch, B.",

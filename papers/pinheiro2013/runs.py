@@ -8,22 +8,19 @@ from gainsay.dynamics import attitude
 from gainsay.logs import (
     Body,
     Bound,
-    Columns,
-    Layout,
     Line,
     Log,
     LogWriter,
     Measure,
     Measured,
     Plot,
-    Rows,
     RunSpec,
     Scene,
     Simulate,
-    Tab,
-    about_tab,
+    default_layout,
     lines,
     located,
+    tab,
 )
 from gainsay.simulation.linear import Response
 from gainsay.simulation.ode import integrate, largest
@@ -274,58 +271,39 @@ def _torques(title: str, where: str, bounds: tuple[Bound, ...] = ()) -> Plot:
     return Plot(title, lines(f"/{where}/torque_mN_m", "xyz"), bounds=bounds)
 
 
-LAYOUT = Layout(
+_DISTURBANCE = (Line("/disturbance/torque_mN_m", "each_axis", "each axis", "magnitude"),)
+
+LAYOUT = default_layout(
     "pinheiro2013",
-    (
-        Tab(
-            "Release",
-            Columns(
-                _SCENE,
-                Rows(
-                    _angles("Euler angles [deg]", "nominal"),
-                    _torques("Control torque [mN m]", "nominal"),
-                    _torques("Control torque and the wheel's limit [mN m]", "nominal", _WHEEL),
-                ),
-            ),
-            runs=RELEASES,
-        ),
-        Tab(
-            "Uncertainty",
-            Rows(*(Plot(f"{name.capitalize()} angle [deg]", _compared(name)) for name in NAMES)),
-            runs=RELEASES,
-        ),
-        Tab(
-            "Nonlinear",
-            Rows(
-                _angles("Euler angles, nonlinear [deg]", "nonlinear"),
-                _angles("Euler angles, wheels limited [deg]", "nonlinear_limited"),
-                _torques("Control torque, wheels limited [mN m]", "nonlinear_limited", _WHEEL),
-            ),
-            runs=RELEASES,
-        ),
-        Tab(
-            "Disturbed",
-            Columns(
-                _SCENE,
-                Rows(
-                    _angles("Euler angles [deg]", "nominal"),
-                    Plot(
-                        "Disturbing torque [mN m]",
-                        (Line("/disturbance/torque_mN_m", "each_axis", "each axis", "magnitude"),),
-                    ),
-                ),
-            ),
-            runs=DISTURBED,
-        ),
-        Tab(
-            "Nonlinear motion",
-            Rows(
-                _angles("Euler angles, nonlinear [deg]", "nonlinear"),
-                _torques("Control torque, nonlinear [mN m]", "nonlinear"),
-            ),
-            runs=DISTURBED,
-        ),
-        about_tab(ABOUT),
+    ABOUT,
+    tab(
+        "Release",
+        _angles("Euler angles [deg]", "nominal"),
+        _torques("Control torque [mN m]", "nominal"),
+        _torques("Control torque and the wheel's limit [mN m]", "nominal", _WHEEL),
+        scene=_SCENE,
+        runs=RELEASES,
+    ),
+    tab("Uncertainty", *(Plot(f"{name.capitalize()} angle [deg]", _compared(name)) for name in NAMES), runs=RELEASES),
+    tab(
+        "Nonlinear",
+        _angles("Euler angles, nonlinear [deg]", "nonlinear"),
+        _angles("Euler angles, wheels limited [deg]", "nonlinear_limited"),
+        _torques("Control torque, wheels limited [mN m]", "nonlinear_limited", _WHEEL),
+        runs=RELEASES,
+    ),
+    tab(
+        "Disturbed",
+        _angles("Euler angles [deg]", "nominal"),
+        Plot("Disturbing torque [mN m]", _DISTURBANCE),
+        scene=_SCENE,
+        runs=DISTURBED,
+    ),
+    tab(
+        "Nonlinear motion",
+        _angles("Euler angles, nonlinear [deg]", "nonlinear"),
+        _torques("Control torque, nonlinear [mN m]", "nonlinear"),
+        runs=DISTURBED,
     ),
     look=LOOK,
 )

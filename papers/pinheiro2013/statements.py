@@ -1,7 +1,6 @@
 """The inequalities (21) of pinheiro2013, and its plants as (8), (18) and (19) state them: formulas over the tables."""
 
 from collections.abc import Mapping
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -9,6 +8,7 @@ import numpy as np
 from gainsay.lmi import Scale
 from gainsay.proof.scope import MappingTables
 from gainsay.statements import Stated, Statement, matrix, symmetric
+from gainsay.systems.uncertain_plant import UncertainPlant
 from gainsay.tables import Case
 from papers.pinheiro2013.plant import GeneralizedPlant
 
@@ -86,25 +86,28 @@ def closed(reconstruction: str, group: str, gain: str) -> dict[str, str]:
 TO_Z_INF = {"A": "closed_A", "B": "B1", "C": "closed_C1", "D": "D11"}
 
 
-def vertices(group: str) -> list[str]:
-    """Closed loop at the vertices of the inertia uncertainty, of which it is a convex combination everywhere.
+#: state matrix of (8) closed by u = -K x, by moments of inertia x, y, z and inverses of those u, v, w over the nominal
+#: ones; I/(own I) stays: n (Ix - Iy + Iz) has Ix/Ix = 1 in roll and Iz/Iz = 1 in yaw
+VARIED = {
+    "pitch": {"varied": "[[0, 1], [-3*n**2*(Ix*x - Iz*z)*v/Iy, 0]] - [[0], [v/Iy]]@K"},
+    "roll_yaw": {
+        "roll": "[[-4*n**2*(Iy*y - Iz*z)*u/Ix, 0, 0, n*(1 + (Iz*z - Iy*y)*u/Ix)]]",
+        "yaw": "[[0, -n**2*(Iy*y - Ix*x)*w/Iz, -n*(1 + (Ix*x - Iy*y)*w/Iz), 0]]",
+        "varied": "col([[0, 0, 1, 0], [0, 0, 0, 1]], roll, yaw) - col(zeros(2, 2), diag(u/Ix, w/Iz))@K",
+    },
+}
 
-    Each axis' row of (8) is affine in 1/I of its own moment (u, v) and, apart from it, in each of the moments it
-    multiplies; taken as independent of each other they span a box that contains every pair (I, 1/I).
+
+def uncertain(case: Case, design: str, group: str, share: str) -> UncertainPlant:
+    """(8) closed by a design, with every moment and, apart from it, its inverse within a share of the nominal one.
+
+    Taken as independent of each other they span a box that contains every pair (I, 1/I).
     """
-    ends = ("(1 - share)", "(1 + share)")
-    systems = []
-    if group == "pitch":
-        for own, x, z in product(ends, repeat=3):
-            systems.append(f"[[0, 1], [-3*n**2*(Ix*{x} - Iz*{z})/(Iy*{own}), 0]] - [[0], [1/(Iy*{own})]]@K")
-        return systems
-    for own_x, own_z, x, y, z in product(ends, repeat=5):
-        # I/(own I) stays: its factor c = n (Ix - Iy + Iz) has Ix/Ix = 1 in roll and Iz/Iz = 1 in yaw.
-        roll = f"[[-4*n**2*(Iy*{y} - Iz*{z})/(Ix*{own_x}), 0, 0, n*(1 + (Iz*{z} - Iy*{y})/(Ix*{own_x}))]]"
-        yaw = f"[[0, -n**2*(Iy*{y} - Ix*{x})/(Iz*{own_z}), -n*(1 + (Ix*{x} - Iy*{y})/(Iz*{own_z})), 0]]"
-        torque = f"diag(1/(Ix*{own_x}), 1/(Iz*{own_z}))"
-        systems.append(f"col([[0, 0, 1, 0], [0, 0, 0, 1]], {roll}, {yaw}) - col(zeros(2, 2), {torque})@K")
-    return systems
+    moment, inverse = (f"1 - {share}", f"1 + {share}"), (f"1/(1 + {share})", f"1/(1 - {share})")
+    names = {"pitch": "xzv", "roll_yaw": "xyzuw"}[group]
+    ranges = {name: inverse if name in "uvw" else moment for name in names}
+    gain = {"K": f"design('{design}', 'K_{group}')"}
+    return UncertainPlant(case, {**inputs(design[0]), **gain, **VARIED[group]}, ranges)
 
 
 #: matrices of a generalized plant that is given in doubles

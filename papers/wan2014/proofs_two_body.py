@@ -48,8 +48,10 @@ def _middle(entry: tuple[int, int]) -> str:
 def flights(case: Any) -> dict[str, str]:
     """Return the inclusion of all flights with the printed gains, in xi = [x; e], as formulas over the tables."""
     acceleration = [[_middle((i, j)) for j in range(6)] for i in range(3)]
-    differences = [f"({high} - ({low}))/2*unit(12,{3 + i}) + ({high} - ({low}))/2*unit(12,{9 + i})"
-              for (i, _), (low, high) in _ENTRIES.items()]  # fmt: skip
+    differences = [
+        f"({high} - ({low}))/2*unit(12,{3 + i}) + ({high} - ({low}))/2*unit(12,{9 + i})"
+        for (i, _), (low, high) in _ENTRIES.items()
+    ]
     return {
         **plant(case),
         "K": "printed('K')",

@@ -9,7 +9,6 @@ from gainsay.logs import (
     Body,
     Bound,
     Columns,
-    Layout,
     Line,
     Log,
     LogWriter,
@@ -21,9 +20,10 @@ from gainsay.logs import (
     Scene,
     Simulate,
     Tab,
-    about_tab,
+    default_layout,
     lines,
     measuring,
+    tab,
 )
 from gainsay.simulation.ode import Trajectory
 from gainsay.tables import Case
@@ -138,36 +138,25 @@ PEAKS = tuple(f"peak_f{axis}" for axis in AXES)
 FULL = ("cost", "delta_v", *PEAKS, "range_3000s", "final_range", "capture_10m")
 
 
-def printed(start: str, *, linear: bool = False, clipped: bool = False) -> Simulate:
-    """Return the simulation of the printed gains from a start of the observer."""
+def flight(start: str, design: str = "", **changed: bool) -> Simulate:
+    """Return the simulation of the printed gains, or of a design of ours, from a start of the observer."""
 
     def simulate(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], log: LogWriter) -> None:
-        loop = ClosedLoop(case, case.matrix("K"), case.matrix("L"), linear, clipped)
-        fly(case, loop, plant.observer_start(case, start), log)
-
-    return simulate
-
-
-def designed(name: str) -> Simulate:
-    """Return the simulation of a design of ours from the measured position."""
-
-    def simulate(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], log: LogWriter) -> None:
-        design = designs[name]
-        loop = ClosedLoop(case, design["K"], design.get("L", case.matrix("L")))
-        fly(case, loop, plant.observer_start(case, "measured_position"), log)
+        gains = {name: case.matrix(name) for name in "KL"} | (dict(designs[design]) if design else {})
+        fly(case, ClosedLoop(case, gains["K"], gains["L"], **changed), plant.observer_start(case, start), log)
 
     return simulate
 
 
 RUNS = (
-    RunSpec("nominal", printed("measured_position"), measure("audit", (*FULL, "final_speed", "error_settling"))),
-    RunSpec("exact_start", printed("exact"), measure("audit.exact_start", FULL)),
-    RunSpec("blind_start", printed("zero"), measure("audit.blind_start", FULL)),
-    RunSpec("blind_start_clipped", printed("zero", clipped=True), measure("audit.blind_start_clipped", FULL)),
-    RunSpec("linear", printed("measured_position", linear=True), measure("audit.linear", FULL)),
-    RunSpec("resynthesised", designed("resynthesised"), measure("run.resynthesised", FULL)),
-    RunSpec("repaired", designed("repaired"), measure("run.repaired", FULL)),
-    RunSpec("lqr", designed("lqr"), measure("run.lqr", FULL)),
+    RunSpec("nominal", flight("measured_position"), measure("audit", (*FULL, "final_speed", "error_settling"))),
+    RunSpec("exact_start", flight("exact"), measure("audit.exact_start", FULL)),
+    RunSpec("blind_start", flight("zero"), measure("audit.blind_start", FULL)),
+    RunSpec("blind_start_clipped", flight("zero", clipped=True), measure("audit.blind_start_clipped", FULL)),
+    RunSpec("linear", flight("measured_position", linear=True), measure("audit.linear", FULL)),
+    RunSpec("resynthesised", flight("measured_position", "resynthesised"), measure("run.resynthesised", FULL)),
+    RunSpec("repaired", flight("measured_position", "repaired"), measure("run.repaired", FULL)),
+    RunSpec("lqr", flight("measured_position", "lqr"), measure("run.lqr", FULL)),
 )
 
 
@@ -204,60 +193,47 @@ LOOK = {
 }
 _BOUNDS = (Bound("thrust_x", "fx, fy: 40 N", "axis_1"), Bound("thrust_z", "fz: 20 N", "axis_3"))
 
-LAYOUT = Layout(
+_SCENE = Scene(
+    "Relative trajectory, LVLH",
+    "lvlh",
+    elements=("trajectory", "estimated_trajectory", "thrust", "chaser", "target"),
+    axes=("lvlh", "chaser"),
+)
+_ERROR = "/observer/error"
+
+
+def _sum(title: str, topic: str, field: str, label: str) -> Plot:
+    return Plot(title, (Line(topic, field, label, "magnitude"),), until=_SHOWN)
+
+
+LAYOUT = default_layout(
     "wan2014",
-    (
-        Tab(
-            "Rendezvous",
-            Columns(
-                Scene(
-                    "Relative trajectory, LVLH",
-                    "lvlh",
-                    elements=("trajectory", "estimated_trajectory", "thrust", "chaser", "target"),
-                    axes=("lvlh", "chaser"),
-                ),
-                Rows(
-                    Plot("Relative position [m]", POSITION_SHOWN, until=_SHOWN),
-                    Plot("Relative velocity [m/s]", VELOCITY_SHOWN, until=_SHOWN),
-                    Plot("Thrust [N]", THRUST_SHOWN, until=_SHOWN, bounds=_BOUNDS),
-                ),
-                shares=(1, 1),
-            ),
-        ),
-        Tab(
-            "First seconds",
-            Columns(
-                Rows(
-                    Plot("Thrust, first seconds [N]", THRUST_SHOWN, until=_TRANSIENT, bounds=_BOUNDS),
-                    Plot(
-                        "Relative velocity and its estimate [m/s]",
-                        until=_TRANSIENT,
-                        lines=(*VELOCITY_SHOWN, *ESTIMATED),
-                    ),
-                ),
-                Rows(
-                    Plot(
-                        "Velocity error of the estimate [m/s]",
-                        until=_TRANSIENT,
-                        lines=lines("/observer/error", VELOCITIES),
-                    ),
-                    Plot("Position error of the estimate [m]", lines("/observer/error", POSITIONS), until=_TRANSIENT),
-                ),
-            ),
-        ),
-        Tab(
-            "Integrals",
+    ABOUT,
+    tab(
+        "Rendezvous",
+        Plot("Relative position [m]", POSITION_SHOWN, until=_SHOWN),
+        Plot("Relative velocity [m/s]", VELOCITY_SHOWN, until=_SHOWN),
+        Plot("Thrust [N]", THRUST_SHOWN, until=_SHOWN, bounds=_BOUNDS),
+        scene=_SCENE,
+    ),
+    Tab(
+        "First seconds",
+        Columns(
             Rows(
-                Plot("Range to the target [m]", (Line("/chaser/range", "range", "range", "magnitude"),), until=_SHOWN),
-                Plot("Cost J so far [1]", (Line("/integrals", "cost", "J", "magnitude"),), until=_SHOWN),
-                Plot(
-                    "Velocity increment so far [m/s]",
-                    (Line("/integrals", "delta_v", "delta-v", "magnitude"),),
-                    until=_SHOWN,
-                ),
+                Plot("Thrust, first seconds [N]", THRUST_SHOWN, until=_TRANSIENT, bounds=_BOUNDS),
+                Plot("Relative velocity and its estimate [m/s]", (*VELOCITY_SHOWN, *ESTIMATED), until=_TRANSIENT),
+            ),
+            Rows(
+                Plot("Velocity error of the estimate [m/s]", lines(_ERROR, VELOCITIES), until=_TRANSIENT),
+                Plot("Position error of the estimate [m]", lines(_ERROR, POSITIONS), until=_TRANSIENT),
             ),
         ),
-        about_tab(ABOUT),
+    ),
+    tab(
+        "Integrals",
+        _sum("Range to the target [m]", "/chaser/range", "range", "range"),
+        _sum("Cost J so far [1]", "/integrals", "cost", "J"),
+        _sum("Velocity increment so far [m/s]", "/integrals", "delta_v", "delta-v"),
     ),
     look=LOOK,
 )

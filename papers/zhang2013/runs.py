@@ -9,20 +9,17 @@ from gainsay.logs import (
     Appendage,
     Body,
     Bound,
-    Columns,
-    Layout,
     Line,
     LogWriter,
     Measure,
     Plot,
-    Rows,
     RunSpec,
     Scene,
     Simulate,
-    Tab,
-    about_tab,
+    default_layout,
     lines,
     measuring,
+    tab,
 )
 from gainsay.logs.sampling import moving_samples
 from gainsay.tables import Case
@@ -86,22 +83,12 @@ def draw_scene(time: np.ndarray, states: np.ndarray, log: LogWriter) -> None:
     log.axes("spacecraft", 2.0, labels=("", "", ""))
 
 
-def printed(mode: str, start: str) -> Simulate:
-    """Return the simulation of the printed gains in one reading of the text."""
+def flight(mode: str, start: str, design: str = "") -> Simulate:
+    """Return the simulation of the printed gains, or of a design of ours, in one reading of the text."""
 
     def simulate(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], log: LogWriter) -> None:
-        K, L = case.printed("K").exact, case.printed("L").exact
+        K, L = (designs[design][name] if design else case.printed(name).exact for name in "KL")
         record(case, fly(case, K, L, mode, start), fly(case, K, L, mode, start, **SECOND), log)
-
-    return simulate
-
-
-def designed(name: str) -> Simulate:
-    """Return the simulation of a design of ours, in the reading of the nominal run."""
-
-    def simulate(case: Case, designs: Mapping[str, Mapping[str, np.ndarray]], log: LogWriter) -> None:
-        K, L = designs[name]["K"], designs[name]["L"]
-        record(case, fly(case, K, L, "paper", "zero"), fly(case, K, L, "paper", "zero", **SECOND), log)
 
     return simulate
 
@@ -130,11 +117,12 @@ READINGS = {
     "input_delayed": ("all", "zero"),
     "input_delayed_matched": ("all", "matched"),
 }
+DESIGNS = ("resynthesised", "fast", "repaired")
 RUNS = (
-    RunSpec("nominal", printed("paper", "zero"), measure("run", *FULL)),
-    *(RunSpec(name, printed(*reading), measure(f"run.{name}", *FULL)) for name, reading in READINGS.items()),
-    RunSpec("no_observer", printed("no_observer", "zero"), measure("run.no_observer", *SHORT)),
-    *(RunSpec(name, designed(name), measure(f"run.{name}", *FULL)) for name in ("resynthesised", "fast", "repaired")),
+    RunSpec("nominal", flight("paper", "zero"), measure("run", *FULL)),
+    *(RunSpec(name, flight(*reading), measure(f"run.{name}", *FULL)) for name, reading in READINGS.items()),
+    RunSpec("no_observer", flight("no_observer", "zero"), measure("run.no_observer", *SHORT)),
+    *(RunSpec(name, flight("paper", "zero", name), measure(f"run.{name}", *FULL)) for name in DESIGNS),
 )
 
 ABOUT = """# Flexible spacecraft of Zhang, Li and Guo 2013
@@ -157,83 +145,67 @@ LOOK = {
 _SHOWN, _ESTIMATE, _FIRST = 100.0, 20.0, 5.0
 
 
-def _one(title: str, topic: str, field: str, label: str, role: str, until: float | None = None) -> Plot:
-    return Plot(title, (Line(topic, field, label, role),), until=until)
+def _one(
+    title: str,
+    topic: str,
+    field: str,
+    label: str,
+    role: str,
+    until: float | None = None,
+    bounds: tuple[Bound, ...] = (),
+) -> Plot:
+    return Plot(title, (Line(topic, field, label, role),), bounds, until)
 
 
 _MODES = lines("/spacecraft/modes", ("eta1", "eta2"))
+_PARTS = (Line("/torque", "feedback", "K x", "axis_1"), Line("/torque", "compensation", "-w2 estimate", "axis_2"))
+_OBSERVED = (
+    Line("/disturbance", "w2", "w2", "truth"),
+    Line("/observer", "w2_estimate", "w2 estimate", "estimate"),
+)
 
-LAYOUT = Layout(
+
+def _angle(title: str, until: float | None = None) -> Plot:
+    return _one(title, "/spacecraft/attitude_mrad", "angle", "theta", "axis_2", until)
+
+
+def _error(title: str, until: float | None = None) -> Plot:
+    return _one(title, "/observer", "error", "w2 - w2 estimate", "axis_1", until)
+
+
+LAYOUT = default_layout(
     "zhang2013",
-    (
-        Tab(
-            "Attitude",
-            Columns(
-                Scene("Spacecraft, pitch about y", "orbit", elements=("spacecraft",), axes=("orbit", "spacecraft")),
-                Rows(
-                    _one("Pitch angle [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2", _SHOWN),
-                    _one("Pitch rate [mrad/s]", "/spacecraft/rate_mrad_s", "rate", "theta rate", "axis_2", _SHOWN),
-                    Plot(
-                        "Torque [N m]",
-                        until=_SHOWN,
-                        lines=(
-                            Line("/torque", "feedback", "K x", "axis_1"),
-                            Line("/torque", "compensation", "-w2 estimate", "axis_2"),
-                        ),
-                    ),
-                    shares=(2, 1, 1),
-                ),
-                shares=(1, 1),
-            ),
-        ),
-        Tab(
-            "First seconds",
-            Rows(
-                _one(
-                    "Pitch angle, first seconds [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2", _FIRST
-                ),
-                _one("Torque, first seconds [N m]", "/torque", "total", "total", "thrust", _FIRST),
-            ),
-        ),
-        Tab(
-            "Observer",
-            Rows(
-                Plot(
-                    "Torque of the modes [N m]",
-                    until=_ESTIMATE,
-                    lines=(
-                        Line("/disturbance", "w2", "w2", "truth"),
-                        Line("/observer", "w2_estimate", "w2 estimate", "estimate"),
-                    ),
-                ),
-                _one("Estimation error [N m]", "/observer", "error", "w2 - w2 estimate", "axis_1", _ESTIMATE),
-                Plot("Modal coordinates [kg^0.5 m]", _MODES, until=_ESTIMATE),
-                shares=(5, 4, 3),
-            ),
-        ),
-        Tab(
-            "Whole run",
-            Rows(
-                _one("Pitch angle, whole run [mrad]", "/spacecraft/attitude_mrad", "angle", "theta", "axis_2"),
-                _one("Estimation error, whole run [N m]", "/observer", "error", "w2 - w2 estimate", "axis_1"),
-                Plot("Modal coordinates, whole run [kg^0.5 m]", _MODES),
-            ),
-        ),
-        Tab(
-            "Delay",
-            Rows(
-                Plot(
-                    "Delay [s]",
-                    (Line("/delay", "delay", "d", "magnitude"),),
-                    until=_ESTIMATE,
-                    bounds=(Bound("delay", "0 and d_M"),),
-                ),
-                _one(
-                    "Integral of squared angle [rad^2 s]", "/integrals", "squared_angle", "angle", "magnitude", _SHOWN
-                ),
-            ),
-        ),
-        about_tab(ABOUT),
+    ABOUT,
+    tab(
+        "Attitude",
+        _angle("Pitch angle [mrad]", _SHOWN),
+        _one("Pitch rate [mrad/s]", "/spacecraft/rate_mrad_s", "rate", "theta rate", "axis_2", _SHOWN),
+        Plot("Torque [N m]", _PARTS, until=_SHOWN),
+        scene=Scene("Spacecraft, pitch about y", "orbit", elements=("spacecraft",), axes=("orbit", "spacecraft")),
+        shares=(2, 1, 1),
+    ),
+    tab(
+        "First seconds",
+        _angle("Pitch angle, first seconds [mrad]", _FIRST),
+        _one("Torque, first seconds [N m]", "/torque", "total", "total", "thrust", _FIRST),
+    ),
+    tab(
+        "Observer",
+        Plot("Torque of the modes [N m]", _OBSERVED, until=_ESTIMATE),
+        _error("Estimation error [N m]", _ESTIMATE),
+        Plot("Modal coordinates [kg^0.5 m]", _MODES, until=_ESTIMATE),
+        shares=(5, 4, 3),
+    ),
+    tab(
+        "Whole run",
+        _angle("Pitch angle, whole run [mrad]"),
+        _error("Estimation error, whole run [N m]"),
+        Plot("Modal coordinates, whole run [kg^0.5 m]", _MODES),
+    ),
+    tab(
+        "Delay",
+        _one("Delay [s]", "/delay", "delay", "d", "magnitude", _ESTIMATE, (Bound("delay", "0 and d_M"),)),
+        _one("Integral of squared angle [rad^2 s]", "/integrals", "squared_angle", "angle", "magnitude", _SHOWN),
     ),
     look=LOOK,
 )

@@ -22,7 +22,9 @@ from gainsay.logs import (
     Scene,
     Tab,
     Text,
+    default_layout,
     read_log,
+    tab,
 )
 from gainsay.logs.check import check_layout, layout_problems
 from gainsay.logs.eye import eye_of
@@ -166,6 +168,17 @@ def test_a_tab_of_text_alone_is_left_out(log):
     (tab,) = json.loads(foxglove_layout(layout, log))["configById"]["Tab!tab1"]["tabs"]
     assert tab["title"] == "B"
     assert leaves(tab["layout"]) == ["Plot!plot1", "Plot!plot2"]
+
+
+def test_plots_alone_and_tabs_come_before_the_page_about_all_runs():
+    scene = Scene("S", "lvlh")
+    layout = default_layout(
+        "demo", "words", plot(), tab("Flight", plot(), scene=scene, runs=("a",)), look={"a": "this"}
+    )
+    response, flight, about = layout.tabs
+    assert (response.content, flight.content) == (Rows(plot()), Columns(scene, Rows(plot())))
+    assert (flight.title, flight.runs, layout.look) == ("Flight", ("a",), {"a": "this"})
+    assert about.content == Columns(Text("About", "words"), EventLog())
 
 
 def test_the_camera_looks_from_where_the_eye_is(log):

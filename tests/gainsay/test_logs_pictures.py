@@ -17,20 +17,10 @@ from gainsay.logs.palette import rgb
 from gainsay.logs.quiet import call, rerun_binary
 from gainsay.logs.render import NotCheckedError, empty, render
 from gainsay.logs.views import write_views
-from tests.gainsay.demo_log import LAYOUT, demo_root, write_demo
+from tests.gainsay.demo_log import LAYOUT, write_demo
 
 
-@pytest.fixture(scope="module")
-def root(tmp_path_factory):
-    return demo_root(tmp_path_factory.mktemp("root"))
-
-
-@pytest.fixture
-def rrd(root):
-    return root / "results/demo/logs/spiral.rrd"
-
-
-def test_pictures_of_what_cannot_be_opened_are_not_checked(root, tmp_path, monkeypatch, capsys):
+def test_pictures_of_what_cannot_be_opened_are_not_checked(demo, tmp_path, monkeypatch, capsys):
     with pytest.raises(NotCheckedError, match="not checked: no file"):
         render(tmp_path / "a.rrd", tmp_path / "a.png")
 
@@ -38,7 +28,7 @@ def test_pictures_of_what_cannot_be_opened_are_not_checked(root, tmp_path, monke
         raise LogError("the Rerun viewer is not installed")
 
     monkeypatch.setattr("gainsay.logs.headless.rerun_binary", broken)
-    assert commands.gallery(root, ["demo"]) == 3
+    assert commands.gallery(demo, ["demo"]) == 3
     assert capsys.readouterr().out.count("not checked: ") == 2
 
 
@@ -51,7 +41,7 @@ def test_pictures_of_what_cannot_be_opened_are_not_checked(root, tmp_path, monke
         ("s = socket.create_server(('127.0.0.1', int(sys.argv[-1]))); time.sleep(60)", "no answer to open within 1 s"),
     ],
 )
-def test_a_viewer_that_does_not_answer_is_ended(root, tmp_path, monkeypatch, capsys, body, said):
+def test_a_viewer_that_does_not_answer_is_ended(demo, tmp_path, monkeypatch, capsys, body, said):
     script = tmp_path / "viewer"
     script.write_text(
         f"#!{sys.executable}\nimport os, pathlib, socket, sys, time\n"
@@ -115,8 +105,8 @@ def test_what_counts_as_empty():
 
 
 @pytest.mark.slow
-def test_the_viewer_shows_every_view_of_the_demo(rrd, tmp_path):
-    found = viewer(rrd, tmp_path / "demo.png")
+def test_the_viewer_shows_every_view_of_the_demo(demo_rrd, tmp_path):
+    found = viewer(demo_rrd, tmp_path / "demo.png")
     assert found.problems == []
     assert sorted(found.views) == sorted(panel.title for panel in LAYOUT.panels())
     assert [path.name for path in found.pictures] == ["demo.png", "demo_2.png"]
@@ -124,8 +114,8 @@ def test_the_viewer_shows_every_view_of_the_demo(rrd, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("content", [b"stub", b"", bytes(200_000)])
-def test_what_is_no_recording_is_said_in_the_words_of_the_viewer(rrd, tmp_path, content):
-    viewer(rrd, tmp_path / "looked.png")  # where there is no driver this says so
+def test_what_is_no_recording_is_said_in_the_words_of_the_viewer(demo_rrd, tmp_path, content):
+    viewer(demo_rrd, tmp_path / "looked.png")  # where there is no driver this says so
     (tmp_path / "stub.rrd").write_bytes(content)
     # the viewer's own words, not those of a wait that ran out
     with pytest.raises(NotCheckedError, match="the viewer failed: Failed to load file"):
@@ -133,14 +123,14 @@ def test_what_is_no_recording_is_said_in_the_words_of_the_viewer(rrd, tmp_path, 
 
 
 @pytest.mark.slow
-def test_the_gallery_is_drawn_by_the_viewer_itself(rrd, tmp_path, capsys):
+def test_the_gallery_is_drawn_by_the_viewer_itself(demo_rrd, tmp_path, capsys):
     from PIL import Image
 
-    viewer(rrd, tmp_path / "looked.png")  # where there is no driver this says so
+    viewer(demo_rrd, tmp_path / "looked.png")  # where there is no driver this says so
     logs = tmp_path / "results/demo/logs"
     logs.mkdir(parents=True)
     for suffix in (".mcap", ".rrd"):
-        shutil.copy(rrd.with_suffix(suffix), logs)
+        shutil.copy(demo_rrd.with_suffix(suffix), logs)
     assert commands.gallery(tmp_path) == 0
     views = len(list(LAYOUT.panels()))
     assert f"demo  spiral: {views} views, {len(LAYOUT.tabs)} pictures" in capsys.readouterr().out
@@ -182,7 +172,7 @@ def test_a_peak_of_one_sample_is_drawn_at_its_height(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_viewer_finds_empty_and_broken_views(root, tmp_path):
+def test_the_viewer_finds_empty_and_broken_views(demo, tmp_path):
     """The same run with a blueprint whose queries find nothing: every view must be called empty."""
     code = """
 import sys
@@ -216,19 +206,19 @@ def viewer(rrd, png):
 
 
 @pytest.mark.slow
-def test_without_a_graphics_driver_it_says_not_checked(rrd, tmp_path, monkeypatch):
+def test_without_a_graphics_driver_it_says_not_checked(demo_rrd, tmp_path, monkeypatch):
     for name in ("VK_DRIVER_FILES", "VK_ICD_FILENAMES"):
         monkeypatch.setenv(name, "/nowhere.json")
     monkeypatch.setenv("WGPU_BACKEND", "vulkan")
     with pytest.raises(NotCheckedError, match=r"not checked: spiral\.rrd: "):
-        render(rrd, tmp_path / "a.png")
+        render(demo_rrd, tmp_path / "a.png")
 
 
 @pytest.mark.slow
-def test_no_viewer_is_left_running(rrd, tmp_path):
+def test_no_viewer_is_left_running(demo_rrd, tmp_path):
     import psutil
 
-    viewer(rrd, tmp_path / "a.png")
+    viewer(demo_rrd, tmp_path / "a.png")
     binary = rerun_binary()
     mine = [child for child in psutil.Process().children(recursive=True) if binary in " ".join(child.cmdline())]
     assert mine == []

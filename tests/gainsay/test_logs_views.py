@@ -15,17 +15,7 @@ from gainsay.logs import LogWriter, commands, read_log
 from gainsay.logs.quiet import call, quiet
 from gainsay.logs.topics import Topics
 from gainsay.logs.views import write_views
-from tests.gainsay.demo_log import LAYOUT, demo_root, write_demo
-
-
-@pytest.fixture(scope="module")
-def root(tmp_path_factory):
-    return demo_root(tmp_path_factory.mktemp("root"))
-
-
-@pytest.fixture
-def rrd(root):
-    return root / "results/demo/logs/spiral.rrd"
+from tests.gainsay.demo_log import LAYOUT, write_demo
 
 
 def test_usage_statistics_are_off_in_every_call():
@@ -39,10 +29,10 @@ def test_the_environment_comes_back():
     assert dict(os.environ) == before
 
 
-def test_one_file_holds_log_drawings_and_blueprint(rrd):
+def test_one_file_holds_log_drawings_and_blueprint(demo_rrd):
     """Oracle: Rerun's own verifier and printer."""
-    call("rrd", "verify", str(rrd))
-    text = call("rrd", "print", str(rrd))
+    call("rrd", "verify", str(demo_rrd))
+    text = call("rrd", "print", str(demo_rrd))
     for entity in (
         "/chaser/position",
         "/bounds/thrust_xy",
@@ -80,68 +70,68 @@ def test_a_failing_call_says_so_in_one_line():
     assert "\n" not in str(caught.value)
 
 
-def test_conformance_of_every_kind_of_topic(root):
+def test_conformance_of_every_kind_of_topic(demo):
     """Oracle: Rerun's full check of an MCAP file; it names topics with problems."""
-    text = call("mcap", "check", "--full", str(root / "results/demo/logs/spiral.mcap"))
+    text = call("mcap", "check", "--full", str(demo / "results/demo/logs/spiral.mcap"))
     lines = [line for line in text.splitlines() if "/" in line and "mcap" not in line]
     assert len(lines) == 17
     assert all(line.startswith("ok") and line.rstrip().endswith("—") for line in lines)
 
 
-def test_list_is_plain_when_piped(root, capsys):
-    assert commands.list_logs(root) == 0
+def test_list_is_plain_when_piped(demo, capsys):
+    assert commands.list_logs(demo) == 0
     rows = [line.split("\t") for line in capsys.readouterr().out.splitlines()]
     assert rows[0] == ["paper", "run", "duration [s]", "topics", "messages", "size [B]", "what it is"]
     assert [row[:4] for row in rows[1:]] == [["demo", "later", "3000", "17"], ["demo", "spiral", "3000", "17"]]
-    assert int(rows[1][5]) == (root / "results/demo/logs/later.mcap").stat().st_size
+    assert int(rows[1][5]) == (demo / "results/demo/logs/later.mcap").stat().st_size
 
 
 @pytest.mark.parametrize(
     ("paper", "run", "words"),
     [("other", None, "no logs"), ("demo", "nominal", "one of later, spiral"), ("demo", "later", "not made yet")],
 )
-def test_view_refuses_what_is_not_there(root, paper, run, words):
+def test_view_refuses_what_is_not_there(demo, paper, run, words):
     with pytest.raises(InputError, match=words):
-        commands.view(root, paper, run)
+        commands.view(demo, paper, run)
 
 
-def test_view_without_a_run_opens_the_nominal_one(root, monkeypatch, capsys):
+def test_view_without_a_run_opens_the_nominal_one(demo, monkeypatch, capsys):
     asked = []
     monkeypatch.setattr(commands, "_open", lambda _, rrd, ports: asked.append((rrd.stem, ports)) or 0)
     monkeypatch.setenv("DISPLAY", ":0")
-    toml = root / "papers/demo/paper.toml"
+    toml = demo / "papers/demo/paper.toml"
     toml.parent.mkdir(parents=True)
     toml.write_text('[runs]\nspiral = "the first that is declared"\nlater = "another"\n')
-    assert commands.view(root, "demo") == 0
+    assert commands.view(demo, "demo") == 0
     assert asked == [("spiral", ())]
     assert "opening spiral; also there: later" in capsys.readouterr().err
     toml.unlink()
 
 
-def test_without_the_viewer_a_line_names_the_extra_that_brings_it(root, monkeypatch, capsys, tmp_path):
+def test_without_the_viewer_a_line_names_the_extra_that_brings_it(demo, monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(sys, "path", [])
     monkeypatch.setenv("PATH", str(tmp_path))
-    for work in (lambda: commands.view(root, "demo", "spiral"), lambda: commands.gallery(root)):
+    for work in (lambda: commands.view(demo, "demo", "spiral"), lambda: commands.gallery(demo)):
         assert work() == 3
         (line,) = capsys.readouterr().err.splitlines()
         assert "the Rerun viewer is not installed" in line
         assert "pip install 'gainsay[view]'" in line
 
 
-def test_without_a_screen_a_line_says_how_to_look(root, monkeypatch, capsys):
+def test_without_a_screen_a_line_says_how_to_look(demo, monkeypatch, capsys):
     monkeypatch.setattr(commands, "_open", lambda _, rrd, ports: pytest.fail("nothing is opened"))
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    assert commands.view(root, "demo", "spiral") == 3
+    assert commands.view(demo, "demo", "spiral") == 3
     (line,) = capsys.readouterr().err.splitlines()
     assert "gainsay view demo spiral --web" in line
     assert line.count(":localhost:") == 2  # the page and the data
     assert "ssh -N -L" in line
 
 
-def test_the_topics_of_a_paper_are_listed_with_units_and_runs(root, tmp_path):
+def test_the_topics_of_a_paper_are_listed_with_units_and_runs(demo, tmp_path):
     topics = Topics()
-    topics.add("spiral", read_log(root / "results/demo/logs/spiral.mcap"))
+    topics.add("spiral", read_log(demo / "results/demo/logs/spiral.mcap"))
     with LogWriter(tmp_path / "other.mcap", provenance={"about": "a | bar"}) as log:
         log.signal("/chaser/position", {"x": "m", "y": "m", "z": "m"}, [0.0], [[1.0, 2.0, 3.0]])
     topics.add("other", read_log(tmp_path / "other.mcap"))
@@ -151,13 +141,13 @@ def test_the_topics_of_a_paper_are_listed_with_units_and_runs(root, tmp_path):
     assert "| `other` | a \\| bar |" in page
 
 
-def test_what_the_documentation_says_of_reading_back_works(root, monkeypatch):
+def test_what_the_documentation_says_of_reading_back_works(demo, monkeypatch):
     """Each block of docs/logs.md, run on the demonstration log, gives the samples of the log."""
     text = (Path(__file__).resolve().parents[2] / "docs" / "logs.md").read_text()
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     assert len(blocks) == 3
-    monkeypatch.chdir(root)
-    expected = read_log(root / "results/demo/logs/spiral.mcap")["/chaser/thrust"]
+    monkeypatch.chdir(demo)
+    expected = read_log(demo / "results/demo/logs/spiral.mcap")["/chaser/thrust"]
     for block in blocks:
         found = {}
         exec(block.replace("wan2014/logs/nominal", "demo/logs/spiral"), found)  # a page of ours
@@ -169,7 +159,7 @@ def test_what_the_documentation_says_of_reading_back_works(root, monkeypatch):
             assert [row["time"] for row in found["rows"]] == expected.time.tolist()
 
 
-def test_the_gallery_shows_every_run(root, monkeypatch, capsys):
+def test_the_gallery_shows_every_run(demo, monkeypatch, capsys):
     from gainsay.logs.render import Rendering
 
     def drawn(rrd, png):
@@ -177,41 +167,41 @@ def test_the_gallery_shows_every_run(root, monkeypatch, capsys):
         return Rendering(rrd.stem, pictures=[png], views=["a"])
 
     monkeypatch.setattr("gainsay.logs.render.render", drawn)
-    assert commands.gallery(root) == 0
-    page = (root / "results/gallery.html").read_text()
+    assert commands.gallery(demo) == 0
+    page = (demo / "results/gallery.html").read_text()
     for run in ("later", "spiral"):
         assert f'src="demo/gallery/{run}.png"' in page and f'id="demo-{run}"' in page
     assert "2 runs, see results/gallery.html" in capsys.readouterr().out
 
 
-def test_view_opens_the_run_and_ends_its_own_child(root, monkeypatch, capsys):
+def test_view_opens_the_run_and_ends_its_own_child(demo, monkeypatch, capsys):
     """A stand-in for the viewer that tells its arguments and the switch it finds."""
-    script = root / "viewer"
-    script.write_text(f'#!/bin/sh\necho "$@" > {root}/seen\ncat $XDG_CONFIG_HOME/rerun/analytics.json >> {root}/seen\n')
+    script = demo / "viewer"
+    script.write_text(f'#!/bin/sh\necho "$@" > {demo}/seen\ncat $XDG_CONFIG_HOME/rerun/analytics.json >> {demo}/seen\n')
     script.chmod(0o755)
     monkeypatch.setattr(commands, "rerun_binary", lambda: str(script))
     monkeypatch.setenv("DISPLAY", ":0")
-    assert commands.view(root, "demo", "spiral") == 0
-    seen = (root / "seen").read_text()
+    assert commands.view(demo, "demo", "spiral") == 0
+    seen = (demo / "seen").read_text()
     assert "--bind 127.0.0.1" in seen
-    assert seen.startswith(str(root / "results/demo/logs/spiral.rrd"))
+    assert seen.startswith(str(demo / "results/demo/logs/spiral.rrd"))
     assert '"analytics_enabled": false' in seen
     script.write_text("#!/bin/sh\nexit 7\n")
-    assert commands.view(root, "demo", "spiral", web=True) == 3
+    assert commands.view(demo, "demo", "spiral", web=True) == 3
     assert "ended with code 7" in capsys.readouterr().err
 
 
-def test_a_terminated_view_takes_its_viewer_along(root):
-    script = root / "waiting"
-    script.write_text(f"#!/bin/sh\necho $$ > {root}/pid\nexec sleep 60\n")
+def test_a_terminated_view_takes_its_viewer_along(demo):
+    script = demo / "waiting"
+    script.write_text(f"#!/bin/sh\necho $$ > {demo}/pid\nexec sleep 60\n")
     script.chmod(0o755)
     code = (
         "import sys; from pathlib import Path; from gainsay.logs import commands;"
         "commands.rerun_binary = lambda: sys.argv[2]; commands.view(Path(sys.argv[1]), 'demo', 'spiral')"
     )
     environment = os.environ | {"DISPLAY": ":0"}
-    command = subprocess.Popen([sys.executable, "-c", code, str(root), str(script)], env=environment)
-    pid = root / "pid"
+    command = subprocess.Popen([sys.executable, "-c", code, str(demo), str(script)], env=environment)
+    pid = demo / "pid"
     limit = time.monotonic() + 20.0
     while not (pid.exists() and pid.read_text().strip()) and time.monotonic() < limit:
         time.sleep(0.02)

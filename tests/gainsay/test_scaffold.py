@@ -8,6 +8,7 @@ import pytest
 
 from gainsay import cli
 from gainsay.errors import InputError
+from gainsay.scaffold import new
 from gainsay.steps.audit import audit
 from gainsay.tables import read_case
 from gainsay.tables.models import TABLES, columns
@@ -126,3 +127,13 @@ def test_an_unknown_row_is_named_with_what_there_is(root, table):
     ):
         rows["torqe"]
     assert rows.get("torqe") is None
+
+
+def test_a_new_project_that_fails_leaves_nothing(tmp_path, monkeypatch):
+    def full(root, name):
+        raise InputError("new paper", expected="room on the disk")
+
+    monkeypatch.setattr(new, "new_paper", full)
+    with pytest.raises(InputError, match="room on the disk"):
+        new.new_project(tmp_path / "own", "toy2001")
+    assert not list(tmp_path.iterdir())

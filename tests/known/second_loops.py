@@ -1,5 +1,7 @@
 """What the second judge finds of loops: where eigenvalues lie, norms, and responses under drawn uncertainty."""
 
+import itertools
+
 import mpmath as mp
 import numpy as np
 from scipy import linalg
@@ -23,6 +25,20 @@ def hull(matrices, draw):
     return [*matrices, *(sum(m * mp.mpf(w / sum(ws)) for m, w in zip(matrices, ws, strict=True)) for ws in weights)]
 
 
+def judged_at(plain, data, draw):
+    """Formulas of a certificate: with one drawn matrix of every printed box, at corners and points of the ranges."""
+    ranges = plain["fields"].get("ranges", [])
+    tables = Formulas({"definitions": []}, data, {}, draw)
+    ends = {name: [tables.number(end) for end in pair] for name, *pair in ranges}
+    corners = [dict(zip(ends, point, strict=True)) for point in itertools.product(*ends.values())] if ranges else [{}]
+    drawn = "box(" in str(plain["definitions"]) + str(plain["fields"]) or ranges
+    inside = [
+        {n: a + (b - a) * mp.mpf(draw.random()) for n, (a, b) in ends.items()} for _ in range(TRIES * bool(drawn))
+    ]
+    for point in [*corners, *inside]:
+        yield Formulas(plain, data, {name: np.array([[x]], dtype=object) for name, x in point.items()}, draw)
+
+
 def eigenvalues(m):
     assert m.shape[0] == m.shape[1]
     if len(m) == 1:
@@ -37,8 +53,7 @@ def lines(plain, data, draw):
         plain["fields"],
     )
     facts["matching"] = []
-    for _ in range(TRIES if "box(" in str(plain["definitions"]) + str(fields) else 1):
-        at = Formulas(plain, data, {}, draw)
+    for at in judged_at(plain, data, draw):
         found = listed(at, fields["matrix"])
         for m in hull(found, draw) if len(found) > 1 else found:
             roots = eigenvalues(m)
@@ -61,17 +76,17 @@ def lines(plain, data, draw):
 def norms(plain, data, draw):
     """Kinds bounded_real, h2, norm_at_least."""
     facts, fields = {"norm": [], "stable": []}, plain["fields"]
-    at = Formulas(plain, data, {}, draw)
-    systems = [listed(at, fields[name]) for name in ("A", "B", "C", *(["D"] if "D" in fields else []))]
-    count = max(map(len, systems))
-    for k in range(count):
-        a, b, c, *d = (doubles(s[k if len(s) > 1 else 0]) for s in systems)
-        d = d[0] if d else np.zeros((len(c), b.shape[1]))
-        facts["stable"].append(linalg.eigvals(a).real.max() < 0)
-        if plain["kind"] == "h2":
-            facts["norm"].append(mp.mpf(np.sqrt(np.trace(b.T @ linalg.solve_continuous_lyapunov(a.T, -c.T @ c) @ b))))
-        else:
-            facts["norm"].append(mp.mpf(gain(a, b, c, d)) if facts["stable"][-1] else mp.inf)
+    names = ("A", "B", "C", *(["D"] if "D" in fields else []))
+    for systems in ([listed(at, fields[name]) for name in names] for at in judged_at(plain, data, draw)):
+        for k in range(max(map(len, systems))):
+            a, b, c, *d = (doubles(s[k if len(s) > 1 else 0]) for s in systems)
+            d = d[0] if d else np.zeros((len(c), b.shape[1]))
+            facts["stable"].append(linalg.eigvals(a).real.max() < 0)
+            if plain["kind"] == "h2":
+                gramian = linalg.solve_continuous_lyapunov(a.T, -c.T @ c)
+                facts["norm"].append(mp.mpf(np.sqrt(np.trace(b.T @ gramian @ b))))
+            else:
+                facts["norm"].append(mp.mpf(gain(a, b, c, d)) if facts["stable"][-1] else mp.inf)
     return facts
 
 

@@ -73,6 +73,8 @@ def toys():
     x = {"x": {}}
     listed = [
         ("lyapunov", {"matrix": "box('A')", "alpha": "-0.9"}, {"P": half}, {}),
+        ("lyapunov", {"matrix": "A + [[0, 0], [r - 0.3, r*s]]", "alpha": "-0.2",
+                      "ranges": [["r", "0", "number('b')/3"], ["s", "0.1", "0.2"]]}, {"P": half}, {}),
         ("stein", {"matrix": "A", "shift": "b", "radius": "0.6"}, {"P": near}, {}),
         ("unstable", {"matrix": "printed('u')", "alpha": "0.5"}, {"P": unstable, "z": [["1"], ["0"]]}, {}),
         ("bounded_real", {"A": "A", "B": "B", "C": "C", "gamma": "1"}, {"P": norm}, {}),

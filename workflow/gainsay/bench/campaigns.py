@@ -119,8 +119,11 @@ def main() -> int:
     root = find_root()
     chosen = [tuple(sys.argv[1:3])] if len(sys.argv) == 3 else None
     names = chosen or [(paper, name) for paper in paper_names(root) for name in read_case(root, paper).campaigns]
-    print(f"{'one chunk of':<32}{'CPU':>9}" + "".join(f"{name:>11}" for name in (*_COLUMNS, "starting", "rest"))
-          + f"{'the first three, aim 90 %':>27}")  # fmt: skip
+    print(
+        f"{'one chunk of':<32}{'CPU':>9}"
+        + "".join(f"{name:>11}" for name in (*_COLUMNS, "starting", "rest"))
+        + f"{'the first three, aim 90 %':>27}"
+    )
     for paper, campaign in names:
         try:
             print(told(paper, campaign, measured(root, paper, campaign)), flush=True)

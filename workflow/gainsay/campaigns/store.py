@@ -75,9 +75,13 @@ class _Writer:
         # on a cluster two machines may write the same chunk, under the same number of a process
         self.part = path.with_name(f".{secrets.token_hex(8)}.{path.name}.part")
         self.file = self.arrow.parquet.ParquetWriter(
-            self.part, self.schema, compression="zstd", write_page_checksum=True, write_statistics=True,
+            self.part,
+            self.schema,
+            compression="zstd",
+            write_page_checksum=True,
+            write_statistics=True,
             store_schema=False,
-        )  # fmt: skip
+        )
 
     def __enter__(self) -> "_Writer":
         return self

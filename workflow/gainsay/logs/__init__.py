@@ -11,9 +11,9 @@ from gainsay.logs.layout import (
     Scene,
     Tab,
     Text,
-    about_tab,
     default_layout,
     lines,
+    tab,
 )
 from gainsay.logs.linear import linear_run
 from gainsay.logs.reader import Event, Extreme, Log, Signal, read_log
@@ -43,11 +43,11 @@ __all__ = [
     "Simulate",
     "Tab",
     "Text",
-    "about_tab",
     "default_layout",
     "linear_run",
     "lines",
     "located",
     "measuring",
     "read_log",
+    "tab",
 ]

@@ -282,13 +282,27 @@ def _panels(item: Item) -> Iterator[Panel]:
         yield item
 
 
-def about_tab(markdown: str) -> Tab:
-    """The tab that says what all runs of a paper show, beside the events of this one."""
-    return Tab("About", Columns(Text("About", markdown), EventLog()))
+def tab(
+    title: str, *plots: Plot, scene: Scene | None = None, shares: tuple[float, ...] = (), runs: tuple[str, ...] = ()
+) -> Tab:
+    """Plots below each other, beside a scene where there is one.
+
+    Parameters
+    ----------
+    title : str
+    *plots : Plot
+    scene : Scene, optional
+    shares : tuple of float, optional
+        Relative heights of the plots.
+    runs : tuple of str, optional
+        Runs that the tab is shown for; by default all.
+    """
+    stack = Rows(*plots, shares=shares)
+    return Tab(title, stack if scene is None else Columns(scene, stack), runs)
 
 
-def default_layout(name: str, about: str, *plots: Plot) -> Layout:
-    """Layout of runs that need no other: the plots below each other, then the tab of `about_tab`.
+def default_layout(name: str, about: str, *parts: Tab | Plot, look: Mapping[str, str] = MappingProxyType({})) -> Layout:
+    """Layout of a paper's runs: the tabs, then one that says what all runs show, beside the events of this one.
 
     Parameters
     ----------
@@ -296,9 +310,15 @@ def default_layout(name: str, about: str, *plots: Plot) -> Layout:
         Of the paper.
     about : str
         Markdown.
-    *plots : Plot
+    *parts : Tab or Plot
+        Tabs; or plots alone, which stand below each other in one.
+    look : mapping of str to str, optional
+        What to look at in a run, as in `Layout`.
     """
-    return Layout(name, (Tab("Response", Rows(*plots)), about_tab(about)))
+    tabs = [part for part in parts if isinstance(part, Tab)]
+    plots = [part for part in parts if isinstance(part, Plot)]
+    response = [tab("Response", *plots)] if plots else []
+    return Layout(name, (*response, *tabs, Tab("About", Columns(Text("About", about), EventLog()))), dict(look))
 
 
 def bound_lines(plot: Plot, fields: dict[str, tuple[str, ...]]) -> list[Line]:

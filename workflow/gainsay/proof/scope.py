@@ -258,6 +258,11 @@ class Scope:
                 raise self.fail(f"the name {name!r} is defined twice")
             self.names[name] = self.evaluate(text)
 
+    def bind(self, name: str, value: Matrix) -> None:
+        """Give a name a value before the definitions, which may not define it again."""
+        self._check_name(name)
+        self.names[name] = value
+
     def _check_name(self, name: str) -> None:
         try:
             formulas.check_name(name)

@@ -11,9 +11,20 @@ from gainsay.errors import CertificateError
 from gainsay.exact.budget import BudgetError, spend
 
 __all__ = [
-    "KEPT", "LARGEST_SIZE", "OPERATORS", "Relation", "compared", "integers", "is_star", "literal_integer", "one_line",
-    "parse", "quote", "segment", "subscripts",
-]  # fmt: skip
+    "KEPT",
+    "LARGEST_SIZE",
+    "OPERATORS",
+    "Relation",
+    "compared",
+    "integers",
+    "is_star",
+    "literal_integer",
+    "one_line",
+    "parse",
+    "quote",
+    "segment",
+    "subscripts",
+]
 
 Relation = Literal["<", "<=", "==", ">=", ">"]
 _RELATIONS: dict[type, Relation] = {ast.Lt: "<", ast.LtE: "<=", ast.Eq: "==", ast.GtE: ">=", ast.Gt: ">"}

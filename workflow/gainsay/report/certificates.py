@@ -22,9 +22,17 @@ __all__ = ["CertificateFile", "read_certificate"]
 _BOUNDS = {"at_most": "at most", "less_than": "below", "at_least": "at least", "greater_than": "above"}
 #: what fields of certificates are called before their formulas; a short name of any other is a symbol
 _LABELS = {
-    "left": "one side", "right": "other side", "low": "above", "real": "real part", "imaginary": "imaginary part",
-    "formula": "value", "modulo": "up to", "constraint": "condition", "matrix": "matrix", "then": "then",
-}  # fmt: skip
+    "left": "one side",
+    "right": "other side",
+    "low": "above",
+    "real": "real part",
+    "imaginary": "imaginary part",
+    "formula": "value",
+    "modulo": "up to",
+    "constraint": "condition",
+    "matrix": "matrix",
+    "then": "then",
+}
 #: characters of formulas that a page shows of one certificate; a hundred vertices of a polytope stay in the file
 MOST_SHOWN = 2_500
 
@@ -155,6 +163,8 @@ def _parts(fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
                         if key == "points"
                         else (entry[0], entry[1])
                     )
+                elif key == "ranges":
+                    yield f"{entry[0]}, ends of its range", f"row({entry[1]}, {entry[2]})"
 
 
 def _shown(parts: list[tuple[str, str]]) -> int:

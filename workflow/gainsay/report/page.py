@@ -102,8 +102,12 @@ class PaperPage:
     @cached_property
     def _places(self) -> dict[str, str]:
         """Where on the page each claim, quantity, certificate and assumed input stands, by its id."""
-        named = {"input": self.case.assumed, "quantity": self.case.quantities,
-                 "certificate": self.results.certificates, "claim": self.case.claims}  # fmt: skip
+        named = {
+            "input": self.case.assumed,
+            "quantity": self.case.quantities,
+            "certificate": self.results.certificates,
+            "claim": self.case.claims,
+        }
         return {id: f"{self.case.name}-{sort}-{_anchor(id)}" for sort, ids in named.items() for id in ids}
 
     def linked(self, sentence: str) -> Markup:

@@ -15,9 +15,17 @@ from gainsay.tables.files import is_there, read_csv, short_path
 
 QUANTITY_COLUMNS = ("quantity", "value", "unit", "lower", "upper", "method", "source")
 GAIN_COLUMNS = (
-    "gain", "row", "column", "published", "rounding_low", "rounding_high", "resynthesised", "identified",
-    "range_low", "range_high",
-)  # fmt: skip
+    "gain",
+    "row",
+    "column",
+    "published",
+    "rounding_low",
+    "rounding_high",
+    "resynthesised",
+    "identified",
+    "range_low",
+    "range_high",
+)
 POLE_COLUMNS = ("set", "pole", "part", "published", "rounding_low", "rounding_high", "recomputed", "radius")
 READ_COLUMNS = ("quantity", "parameter", "how")
 FAILURE_COLUMNS = ("step", "where", "task", "message")
@@ -37,10 +45,31 @@ FROM_DIGITS = "printed digits:"
 STEPS = ("synthesis", "audit", "simulation", "figures", "views")
 CERTIFICATE_COLUMNS = ("certificate", "accepted", "says")
 VERDICT_COLUMNS = (
-    "claim", "where", "kind", "statement", "published", "recomputed", "unit", "tolerance", "verdict", "expected",
-    "evidence", "range_low", "range_high", "witness", "quantity", "certificate", "note", "given", "weight",
-    "digits", "holds_for", "sentence", "as_read", "of_sentence",
-)  # fmt: skip
+    "claim",
+    "where",
+    "kind",
+    "statement",
+    "published",
+    "recomputed",
+    "unit",
+    "tolerance",
+    "verdict",
+    "expected",
+    "evidence",
+    "range_low",
+    "range_high",
+    "witness",
+    "quantity",
+    "certificate",
+    "note",
+    "given",
+    "weight",
+    "digits",
+    "holds_for",
+    "sentence",
+    "as_read",
+    "of_sentence",
+)
 
 
 def _number(text: str) -> None:
@@ -77,18 +106,26 @@ def _place(text: str) -> None:
 CHECKS: dict[str, dict[str, Callable[[str], None]]] = {
     "quantities": {"value": _number, "lower": _number_or_nothing, "upper": _number_or_nothing},
     "gains": {
-        "published": _printed, "rounding_low": _number, "rounding_high": _number, "resynthesised": _number_or_nothing,
-        "identified": _truth_or_nothing, "range_low": _number_or_nothing, "range_high": _number_or_nothing,
+        "published": _printed,
+        "rounding_low": _number,
+        "rounding_high": _number,
+        "resynthesised": _number_or_nothing,
+        "identified": _truth_or_nothing,
+        "range_low": _number_or_nothing,
+        "range_high": _number_or_nothing,
     },
     "poles": {
-        "published": _printed, "rounding_low": _number, "rounding_high": _number, "recomputed": _number,
+        "published": _printed,
+        "rounding_low": _number,
+        "rounding_high": _number,
+        "recomputed": _number,
         "radius": _number,
     },
     "verdicts": dict.fromkeys(("recomputed", "tolerance", "range_low", "range_high"), _number_or_nothing),
     "published": dict.fromkeys(("recomputed", "low", "high", "units_of_last_digit"), _number_or_nothing),
     "certificates": {"accepted": _truth},
     "files": {"file": _place},
-}  # fmt: skip
+}
 #: table -> the columns that a step writes
 COLUMNS = {**PARTS, "certificates": CERTIFICATE_COLUMNS, "verdicts": VERDICT_COLUMNS, "files": LISTING_COLUMNS}
 #: table -> the column by which a row is known, each value once

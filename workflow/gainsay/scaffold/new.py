@@ -112,11 +112,12 @@ def new_project(root: Path, name: str) -> Path:
     entries = sorted({path.name for path in root.glob("*")} - _BEFOREHAND)
     if entries:
         raise InputError("new project", file=str(root), value=entries[0], expected="an empty folder")
-    root.mkdir(parents=True, exist_ok=True)
+    root.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=root.parent, prefix=".new-") as place:
         made = Path(place, "project")
         _write(made, project_files())
         new_paper(made, name)
+        root.mkdir(exist_ok=True)
         for path in made.iterdir():
             shutil.move(path, root / path.name)
     return root / "papers" / name

@@ -38,14 +38,32 @@ TERMS = {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}
 #: what says how a project is run, where it has it
 WORKFLOW = "Snakefile"
 PROJECT = (
-    WORKFLOW, "config.yaml", "workflow/config.yaml", "profiles/default/config.yaml", "requirements.txt",
-    "requirements.lock", "pyproject.toml", "papers/__init__.py", "README.md", "LICENSE", "CITATION.cff",
-)  # fmt: skip
+    WORKFLOW,
+    "config.yaml",
+    "workflow/config.yaml",
+    "profiles/default/config.yaml",
+    "requirements.txt",
+    "requirements.lock",
+    "pyproject.toml",
+    "papers/__init__.py",
+    "README.md",
+    "LICENSE",
+    "CITATION.cff",
+)
 FORMATS = {
-    ".csv": "text/csv", ".json": "application/json", ".html": "text/html", ".svg": "image/svg+xml", ".png": "image/png",
-    ".py": "text/x-python", ".toml": "application/toml", ".md": "text/markdown", ".txt": "text/plain",
-    ".yaml": "application/yaml", ".mcap": "application/octet-stream", ".rrd": "application/octet-stream",
-}  # fmt: skip
+    ".csv": "text/csv",
+    ".json": "application/json",
+    ".html": "text/html",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".py": "text/x-python",
+    ".toml": "application/toml",
+    ".md": "text/markdown",
+    ".txt": "text/plain",
+    ".yaml": "application/yaml",
+    ".mcap": "application/octet-stream",
+    ".rrd": "application/octet-stream",
+}
 #: software -> where it is at home, and what it does for a run
 SOFTWARE = {
     "python": ("https://www.python.org", "interpreter"),

@@ -9,17 +9,15 @@ from typing import Any
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
-from gainsay.lmi import Solved
+from gainsay.errors import InputError
 from gainsay.proof import Certificate, build
-from gainsay.statements import Stated, read_constraint, symmetric
 from gainsay.statements.floats import Floats
-from gainsay.systems.norms import bounded_real_certificate_matrix
+from gainsay.systems.norms import bounded_real_certificate_matrix, h2_norm
 from gainsay.systems.regions import Disk, HalfPlane
 
 __all__ = [
     "abscissa",
-    "box_left_of",
-    "h2_norm_between",
+    "h2_norm_below",
     "norm_below",
     "pole_distance",
     "pole_outside_disk",
@@ -28,11 +26,6 @@ __all__ = [
     "poles_left_of",
     "values",
 ]
-
-#: least margin of one Lyapunov matrix over a box, so that it survives rounding
-_ROOM = 1e-5
-#: part of the room between two bounds of an H2 norm by which its Gramian is moved
-_OF_ROOM = 0.1
 
 Definitions = Mapping[str, str] | Iterable[tuple[str, str]]
 
@@ -101,54 +94,6 @@ def poles_in_disk(
         definitions=definitions,
         fields={"matrix": matrix, "shift": centre, "radius": radius},
         witness={"P": Disk(a.item(), b.item()).lyapunov_matrix(A)},
-        **parts,
-    )
-
-
-def box_left_of(
-    case: Any, vertices: Sequence[str], alphas: Sequence[str], *, definitions: Definitions, **parts: Any
-) -> Certificate:
-    """Certify by one Lyapunov matrix that every convex combination of matrices has its eigenvalues left of alpha.
-
-    So a loop is proved whose matrix is affine in uncertain numbers of a box, or a convex combination of what it is at
-    the box's vertices; that it is one is for the certificate's faith to say.
-
-    Parameters
-    ----------
-    case : gainsay.tables.Case
-    vertices : sequence of str
-        Formulas of square matrices of one size.
-    alphas : sequence of str
-        Formulas, 1/s, the strictest first: the first one for which there is such a matrix is certified.
-    definitions : mapping of str to str, or pairs
-    **parts
-        As for `poles_left_of`.
-
-    Raises
-    ------
-    ComputationError
-        If no matrix is found for the last alpha.
-    CertificateError
-        If the proof is not accepted.
-    """
-    size = len(values(case, vertices[:1], definitions)[0])
-    for alpha in alphas:
-        decay = [
-            read_constraint(f"sym(P@({vertex})) - 2*({alpha})*P < 0", f"vertex {number}")
-            for number, vertex in enumerate(vertices, start=1)
-        ]
-        stated = Stated(
-            case, [decay, "P > 0"], None, {"P": symmetric(size)}, dict(definitions), label="vertices", margin=_ROOM
-        )
-        outcome = stated.solve()
-        if isinstance(outcome, Solved):
-            break
-    return build.certificate(
-        "lyapunov",
-        tables=case,
-        definitions=definitions,
-        fields={"matrix": list(vertices), "alpha": alpha},
-        witness={"P": outcome.need(f"one Lyapunov matrix for {len(vertices)} vertices")["P"]},
         **parts,
     )
 
@@ -270,38 +215,49 @@ def norm_below(
     )
 
 
-def h2_norm_between(
-    case: Any, system: Mapping[str, str], low: str, high: str, *, definitions: Definitions, **parts: Any
+def h2_norm_below(
+    case: Any, system: Mapping[str, str], bound: str, *, lower: str = "", definitions: Definitions, **parts: Any
 ) -> Certificate:
-    """Certify that the H2 norm of a stable system lies between two bounds, by its observability Gramian.
+    """Certify that the H2 norm of a stable system is at most a bound, by its observability Gramian; or between two.
 
     Parameters
     ----------
     case : gainsay.tables.Case
     system : mapping of str to str
         Formulas of ``A``, ``B``, ``C``.
-    low, high : str
-        Formulas, with room on both sides of the norm.
+    bound : str
+        Formula, above the norm.
+    lower : str, optional
+        Formula below the norm, where that is to be proved as well.
     definitions : mapping of str to str, or pairs
     **parts
         id, statement, quantities (of ``norm``, ``stable``), faith: as for `gainsay.proof.build.certificate`.
 
     Raises
     ------
+    InputError
+        If the system is unstable, or its norm is not below the bound and above the lower one.
     CertificateError
-        If the system is unstable, or its norm not between them by a margin that survives rounding.
+        If the proof is not accepted, by a margin too small for rounded digits.
     """
-    A, _, C, lower, upper = values(case, (system["A"], system["B"], system["C"], low, high), definitions)
+    A, B, C = values(case, [system[name] for name in "ABC"], definitions)
+    norm = h2_norm(A, B, C)
     gramian = solve_continuous_lyapunov(A.T, -C.T @ C)
-    share = _OF_ROOM * (upper.item() - lower.item()) / (upper.item() + lower.item())
-    return build.certificate(
-        "h2",
-        tables=case,
-        definitions=definitions,
-        fields={**system, "bound": high, "lower": low},
-        witness={"P": (1 + share) * gramian, "S": (1 - share) * gramian},
-        **parts,
-    )
+    raised = solve_continuous_lyapunov(A.T, -np.eye(len(A)))
+    size = float(np.trace(B.T @ raised @ B)) or 1.0
+    fields, witness = dict(system), {}
+    for field, unknown, sign, text in (("bound", "P", 1, bound), ("lower", "S", -1, lower)):
+        if not text:
+            continue
+        (level,) = values(case, [text], definitions)
+        room = sign * (level.item() ** 2 - norm**2) / 2  # half of it for the square of the norm, half for rounding
+        if not (room > 0 and level.item() > 0):
+            side = "at or below" if sign > 0 else "at or above"
+            expected = f"{'more' if sign > 0 else 'less'} than {norm!r}"
+            raise InputError(f"level {side} the H2 norm", field=field, value=text, expected=expected)
+        fields[field] = text
+        witness[unknown] = gramian + sign * room / size * raised
+    return build.certificate("h2", tables=case, definitions=definitions, fields=fields, witness=witness, **parts)
 
 
 def _indefinite(P: np.ndarray) -> dict[str, np.ndarray]:

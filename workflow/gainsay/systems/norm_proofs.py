@@ -1,13 +1,9 @@
 """A norm of a system whose matrices are formulas over the tables: its value beside the proof that a level bounds it."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, Literal
+from typing import Literal
 
-import numpy as np
-from scipy.linalg import solve_continuous_lyapunov
-
-from gainsay.errors import InputError
-from gainsay.proof import Certificate, build
+from gainsay.proof import Certificate
 from gainsay.results import Results
 from gainsay.systems import loop_proofs
 from gainsay.systems.loop_proofs import Definitions, values
@@ -59,7 +55,7 @@ def prove_norm(
         prove_norm(results, "audit.peak", "hinf", {"A": "A - B@K", "B": "B", "C": "K"}, "1.3", definitions=FORMULAS)
     """
     case = results.case
-    certify: Callable[..., Certificate] = loop_proofs.norm_below if norm == "hinf" else _h2_below
+    certify: Callable[..., Certificate] = loop_proofs.norm_below if norm == "hinf" else loop_proofs.h2_norm_below
     name = "H-infinity" if norm == "hinf" else "H2"
     certificate = certify(
         case,
@@ -72,23 +68,3 @@ def prove_norm(
     matrices = values(case, system.values(), definitions)
     norm_value = hinf_norm(*matrices)[0] if norm == "hinf" else h2_norm(*matrices)
     results.prove(certificate, source=source, values={quantity: norm_value})
-
-
-def _h2_below(
-    case: Any, system: Mapping[str, str], level: str, *, definitions: Definitions, **parts: Any
-) -> Certificate:
-    """Certify that the H2 norm of a stable system is below a level, by a Gramian with half the room there is."""
-    A, B, C, bound = values(case, [*(system[name] for name in "ABC"), level], definitions)
-    norm = h2_norm(A, B, C)
-    if not bound.item() > norm:
-        raise InputError("level at or below the H2 norm", field="level", value=level, expected=f"more than {norm!r}")
-    raised = solve_continuous_lyapunov(A.T, -np.eye(len(A)))
-    room = (bound.item() ** 2 - norm**2) / (2 * np.trace(B.T @ raised @ B) or 1.0)
-    return build.certificate(
-        "h2",
-        tables=case,
-        definitions=definitions,
-        fields={**system, "bound": level},
-        witness={"P": solve_continuous_lyapunov(A.T, -C.T @ C) + room * raised},
-        **parts,
-    )

@@ -13,10 +13,19 @@ from gainsay.tables.thresholds import published_ends, reading_faults, thresholds
 from gainsay.tables.units import to_si
 
 #: kinds whose verdict needs a certificate that the checker accepts
-PROVED = frozenset({
-    "identity", "definiteness", "feasibility", "stability", "pole-region", "norm-bound", "cost-bound", "input-bound",
-    "delay-margin",
-})  # fmt: skip
+PROVED = frozenset(
+    {
+        "identity",
+        "definiteness",
+        "feasibility",
+        "stability",
+        "pole-region",
+        "norm-bound",
+        "cost-bound",
+        "input-bound",
+        "delay-margin",
+    }
+)
 #: kinds of which a claim may be a yes or no
 YES_OR_NO = frozenset({"identity", "definiteness", "feasibility", "stability", "pole-region"})
 _STATES = {"holds": "holds", "fails": "fails", "feasible": "is feasible", "infeasible": "is infeasible"}

@@ -10,12 +10,25 @@ from gainsay.tables.units import to_si
 
 Verdict = Literal["reproduced", "contradicted", "undetermined", "undecided", "uncheckable", "failed"]
 Kind = Literal[
-    "parameter", "gain", "identity", "definiteness", "feasibility", "stability", "pole-region", "norm-bound",
-    "cost-bound", "input-bound", "delay-margin", "trajectory", "ordering", "figure", "remark",
-]  # fmt: skip
+    "parameter",
+    "gain",
+    "identity",
+    "definiteness",
+    "feasibility",
+    "stability",
+    "pole-region",
+    "norm-bound",
+    "cost-bound",
+    "input-bound",
+    "delay-margin",
+    "trajectory",
+    "ordering",
+    "figure",
+    "remark",
+]
 Comparator = Literal[
     "equal", "at_most", "at_least", "inside", "holds", "fails", "feasible", "infeasible", "less_than", "all_of", ""
-]  # fmt: skip
+]
 Weight = Literal["misprint", "gap", "result", ""]
 Scan = Literal["possible", "excluded", "open", ""]
 Digits = Literal["scan", "confirmed", ""]
@@ -23,9 +36,17 @@ HoldsFor = Literal["every", "some", ""]
 Step = Literal["synthesis", "audit", "simulation"]
 Tolerance = Literal["exact", "rounding", "enclosed", "sampled", "floor"]
 ScanItem = Literal[
-    "outcome", "samples", "holding", "closer", "closer_holding", "smallest", "largest", "turns_on", "holds_at",
+    "outcome",
+    "samples",
+    "holding",
+    "closer",
+    "closer_holding",
+    "smallest",
+    "largest",
+    "turns_on",
+    "holds_at",
     "fails_at",
-]  # fmt: skip
+]
 VERDICTS: tuple[str, ...] = get_args(Verdict)
 
 

@@ -14,9 +14,19 @@ from gainsay.tables.models import Claim
 from gainsay.verdicts.table import outcomes
 
 PUBLISHED_COLUMNS = (
-    "paper", "claim", "what", "entry", "published", "recomputed", "unit", "low", "high", "units_of_last_digit",
-    "identified", "verdict",
-)  # fmt: skip
+    "paper",
+    "claim",
+    "what",
+    "entry",
+    "published",
+    "recomputed",
+    "unit",
+    "low",
+    "high",
+    "units_of_last_digit",
+    "identified",
+    "verdict",
+)
 #: kind of claim -> what its published number is; other kinds say something without a number of their own
 WHAT = {
     "parameter": "parameter",

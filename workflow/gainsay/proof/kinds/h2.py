@@ -4,29 +4,29 @@ Theorem: if P > 0 and P A + A' P + C' C < 0, then A is Hurwitz and the squared H
 or equal to trace B' P B. If A is Hurwitz and S A + A' S + C' C >= 0 (S symmetric), it is at least trace B' S B.
 For lists of matrices and one P the upper bound holds for every system of their convex hull.
 
-Fields: ``A``, ``B``, ``C``, ``bound`` (on the norm), and for a lower bound ``lower``. Witness: ``P``, and ``S`` with
-``lower``.
+Fields: ``A``, ``B``, ``C``, ``ranges`` (as for ``bounded_real``), ``bound`` (on the norm), and for a lower bound
+``lower``. Witness: ``P``, and ``S`` with ``lower``.
 Reference: Boyd et al., Linear Matrix Inequalities in System and Control Theory, SIAM 1994, section 6.2.
 """
 
 from gainsay.exact.rational import to_text
-from gainsay.proof.inequalities import bounds, demand, sym
+from gainsay.proof.inequalities import bounds, define, demand, sym
 from gainsay.proof.kinds import Proved
 from gainsay.proof.kinds.bounded_real import systems
 from gainsay.proof.scope import Scope
 
 THEOREM = "the observability Gramian inequality"
 REQUIRED = ("A", "B", "C", "bound")
-OPTIONAL = ("lower",)
+OPTIONAL = ("lower", "ranges")
 LEVELS = ("bound", "lower")
 FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:
     """Prove the bounds on the norm."""
-    scope.define()
+    ends = define(scope)
     bound = scope.number(scope.field("bound"))
-    listed = systems(scope, ("A", "B", "C"))
+    listed = systems(scope, ("A", "B", "C"), ends)
     size = listed[0][0].shape[0]
     p = scope.symmetric_witness("P", size)
     demand(scope, p, ">", "P")

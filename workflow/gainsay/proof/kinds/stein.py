@@ -3,28 +3,29 @@
 Theorem (Stein): if P > 0 and (A + a I)' P (A + a I) < b^2 P, b > 0, then every eigenvalue s of A satisfies |s + a| < b;
 with <= at most b. For a list of matrices and one P this holds for every matrix of their convex hull.
 
-Fields: ``matrix`` (a formula or a list of vertices), ``shift`` (a), ``radius`` (b). Witness: ``P``.
+Fields: ``matrix`` (a formula, over the uncertain numbers of ``ranges`` if there are any, or a list of vertices),
+``shift`` (a), ``radius`` (b). Witness: ``P``.
 Reference: M. Chilali, P. Gahinet, "H-infinity design with pole placement constraints: an LMI approach", IEEE
 Transactions on Automatic Control 41 (1996) 358-367.
 """
 
 from gainsay.exact.matrix import Matrix, eye
 from gainsay.exact.rational import to_text
-from gainsay.proof.inequalities import demand, order_holds, vertices
+from gainsay.proof.inequalities import define, demand, order_holds, vertices
 from gainsay.proof.kinds import Proved
 from gainsay.proof.scope import Scope
 
 THEOREM = "Stein's inequality for a disk"
 REQUIRED = ("matrix", "shift", "radius")
-OPTIONAL = ()
+OPTIONAL = ("ranges",)
 LEVELS = ("radius",)
 FOUND = ()
 
 
 def prove(scope: Scope) -> list[Proved]:
     """Prove the bound on the distance of the eigenvalues from -a."""
-    scope.define()
-    matrices = vertices(scope, "matrix")
+    ends = define(scope)
+    matrices = vertices(scope, "matrix", ends)
     shift, radius = scope.number(scope.field("shift")), scope.number(scope.field("radius"))
     if radius <= 0:
         raise scope.fail("field 'radius' must be positive")
