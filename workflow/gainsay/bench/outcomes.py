@@ -12,7 +12,6 @@ import numpy as np
 from gainsay.bench.programs import as_stated
 from gainsay.bench.random_programs import draws
 from gainsay.lmi import (
-    Infeasible,
     Infimum,
     Program,
     Solved,
@@ -61,7 +60,7 @@ def _ours(program: Program) -> bool | float | None:
     outcome = infimum(program) if program.cost.any() else solve(program)
     if isinstance(outcome, Infimum):
         return outcome.value if np.isfinite(outcome.value) else None
-    return True if isinstance(outcome, Solved) else False if isinstance(outcome, Infeasible) else None
+    return True if isinstance(outcome, Solved) else False if outcome.excluded else None
 
 
 def _plain(solver: str) -> Callable[[Program], bool | float | None]:

@@ -14,6 +14,11 @@ class _NotFound:
 
     attempts: tuple[dict, ...]
 
+    @property
+    def excluded(self) -> bool:
+        """Whether it is proved that no point exists."""
+        return False
+
     def need(self, where: str) -> Never:
         """Raise `ComputationError` with the attempts: something was to be found here; `where` is the equation."""
         reason = getattr(self, "reason", type(self).__name__.lower())
@@ -88,21 +93,15 @@ class Infeasible(_NotFound):
 
     All coefficients are taken as exact numbers, but for inequalities of Lyapunov, of Stein and of a region, in any P,
     of one matrix, whose rounded sums are taken as what they round (the reason says so).
-
-    Attributes
-    ----------
-    farkas : Farkas
-        What excludes the program, or its part on the last of `faces`.
-    attempts : tuple of dict
-    faces : tuple of Farkas
-        Exact multipliers of value zero that confine the points to a face, each of the program on the face before: a
-        program that is weakly infeasible needs some (points come as near as one likes), since no multipliers of its own
-        exclude it. Empty where they do.
     """
 
     farkas: Farkas
     attempts: tuple[dict, ...]
-    faces: tuple[Farkas, ...] = ()
+
+    @property
+    def excluded(self) -> bool:
+        """Whether it is proved that no point exists: it is."""
+        return True
 
 
 @dataclass(frozen=True)
@@ -125,11 +124,29 @@ class Unbounded(_NotFound):
 
 @dataclass(frozen=True)
 class Undecided(_NotFound):
-    """Neither a point nor a refutation could be proved: says nothing about the program."""
+    """Neither a point, nor multipliers of the program itself that exclude it.
+
+    Attributes
+    ----------
+    label : str
+    attempts : tuple of dict
+    reason : str
+    faces : tuple of Farkas
+        Empty where nothing is known of the program. Else no point exists: exact multipliers of value zero confine the
+        points to a face, each of the program on the face before, and the last exclude what is left. So it is with a
+        weakly infeasible program, of which blocks come as near to holding as one likes: the least change of a number
+        may give it a point, and one of its own does not refute it.
+    """
 
     label: str
     attempts: tuple[dict, ...]
     reason: str = "neither a point nor multipliers"
+    faces: tuple[Farkas, ...] = ()
+
+    @property
+    def excluded(self) -> bool:
+        """Whether it is proved that no point exists."""
+        return bool(self.faces)
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ MOST_FACES = 6
 _LARGE = 200_000
 # least relative eigenvalues kept of multipliers that the solver gives with an infeasible program
 _CUTS = (0.0, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3)
+_WEAKLY = "weakly infeasible: no point exists, by exact multipliers in turn, and no others were found"
 
 
 def solve(program: Program, near: Values | None = None, rounds: int = 4) -> Outcome:
@@ -212,9 +213,10 @@ def _on_face(
             outcome, last = decide(smaller, None, rounds, faces - 1)
             tried = (*attempts, *outcome.attempts)
             if isinstance(outcome, Undecided):
-                return Undecided(program.label, tried, outcome.reason), program
+                chain = (confining, *outcome.faces) if outcome.faces else ()
+                return Undecided(program.label, tried, outcome.reason, chain), program
             if isinstance(outcome, Infeasible):
-                return replace(outcome, attempts=tried, faces=(confining, *outcome.faces)), program
+                return Undecided(program.label, tried, _WEAKLY, (confining, outcome.farkas)), program
             return filled(program, replace(outcome, attempts=tried)), last
     return None
 

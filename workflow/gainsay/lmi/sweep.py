@@ -9,7 +9,7 @@ import numpy as np
 from gainsay.errors import InputError
 from gainsay.lmi import backends, scaling
 from gainsay.lmi.affine import affine
-from gainsay.lmi.outcomes import Infeasible, Outcome, Solved, Undecided
+from gainsay.lmi.outcomes import Outcome, Solved, Undecided
 from gainsay.lmi.program import Program
 from gainsay.lmi.solving import solve
 
@@ -35,7 +35,7 @@ def sweep(build: Callable[[float], Program], values: Iterable[float]) -> Iterato
     for value in values:
         program = build(value)
         outcome = solve(program, near)
-        if isinstance(outcome, Undecided) and near is not None:
+        if isinstance(outcome, Undecided) and not outcome.excluded and near is not None:
             outcome = solve(program)
         if isinstance(outcome, Solved):
             near = outcome.values
@@ -95,7 +95,7 @@ def threshold(
     if isinstance(far, Solved):
         raise InputError("a point at the infeasible end", field=program.label, value=infeasible)
     inside, floor = feasible, infeasible
-    outside = infeasible if isinstance(far, Infeasible) else float("nan")
+    outside = infeasible if far.excluded else float("nan")
     nothing = _NOTHING * abs(feasible - infeasible)
     while abs(inside - floor) > relative * max(abs(inside), nothing):
         middle = (inside + floor) / 2
@@ -105,7 +105,7 @@ def threshold(
             inside, solved = middle, outcome
         else:
             floor = middle
-            if isinstance(outcome, Infeasible):
+            if outcome.excluded:
                 outside = middle
             else:
                 undecided.append(middle)

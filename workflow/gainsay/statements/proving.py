@@ -108,7 +108,7 @@ def prove(
 def _refuted(stated: Stated, outcome: Any, **parts: Any) -> Certificate:
     """Certificate of multipliers where the outcome has some, else, or where they do not do, of a wrong inertia."""
     reason = f"{type(outcome).__name__} after {len(outcome.attempts)} attempts"
-    if isinstance(outcome, Infeasible) and not outcome.faces and np.isfinite(outcome.farkas.distance):
+    if isinstance(outcome, Infeasible) and np.isfinite(outcome.farkas.distance):
         try:
             return _by_multipliers(stated, outcome.farkas.multipliers, **parts)
         except CertificateError as error:
