@@ -67,10 +67,10 @@ def disk_of(case: Case) -> Disk:
     return Disk(case.number("disk_centre"), case.number("disk_radius"))
 
 
-def unstable_fraction(case: Case, gains: Gains, batch: int = 20_000) -> tuple[float, float]:
+def unstable_fraction(case: Case, gains: Gains, total: int, batch: int = 20_000) -> tuple[float, float]:
     """Fraction of constant draws 1 + U(0, 1) of the twelve factors with an unstable (10), and its standard error."""
     nominal, generator = plant.rigid(plant.constants(case)), np.random.default_rng(int(case.number("seed")))
-    total, unstable = int(case.number("draws")), 0
+    unstable = 0
     for first in range(0, total, batch):
         factors = 1 + generator.random((min(batch, total - first), 12))
         loops = plant.closed_loop(nominal, gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
@@ -217,7 +217,7 @@ def flexible_loop(case: Case, results: Results) -> None:
     results.say("(6) with (8)", "stable, and outside the disk that the reduced loop keeps")
 
 
-def measure(case: Case, results: Results, name: str, *quantities: str) -> str:
+def measure(case: Case, results: Results, name: str, quantities: tuple[str, ...], draws: int) -> str:
     """Measure a controller on the models of the paper and under other gains; return what was found in a few words.
 
     Parameters
@@ -225,8 +225,10 @@ def measure(case: Case, results: Results, name: str, *quantities: str) -> str:
     case, results : Case, Results
     name : str
         Of the controller.
-    *quantities : str
+    quantities : tuple of str
         Those that stand in balls over the digits of its gains, see `plant.enclosed_loop`.
+    draws : int
+        Behind the unstable fraction.
     """
     gains = plant.controller(case, name)
     A, B, C = reduced_loop(case, gains)
@@ -234,7 +236,7 @@ def measure(case: Case, results: Results, name: str, *quantities: str) -> str:
     flexible = plant.closed_loop(plant.flexible(k), gains)
     worst, worst_abscissa, where = vertices(case, gains)
     static = -C @ np.linalg.solve(A, B @ plant.disturbance(case, k) @ np.array([1.0, 0.0, 1.0]))
-    share, error = unstable_fraction(case, gains)
+    share, error = unstable_fraction(case, gains, draws)
     methods = {
         "disk_radius": "largest |s + 1.01| over the eigenvalues of (10), in balls over the printed digits",
         "abscissa": "eigenvalues of (10), in balls over the printed digits",
@@ -251,7 +253,7 @@ def measure(case: Case, results: Results, name: str, *quantities: str) -> str:
         ),
         "worst_abscissa": (worst_abscissa, "eigenvalues at 2^15 vertices"),
         "static_roll_error": (abs(static[0]), "static gain of (10) times d(0)"),
-        "unstable_fraction": (share, f"{int(case.number('draws'))} draws, standard error {error:.2g}"),
+        "unstable_fraction": (share, f"{draws} draws, standard error {error:.2g}"),
     }
     for quantity, (value, method) in rows.items():
         results.quantity(f"audit.{name}.{quantity}", float(value), method=method, source="Section IV")
@@ -269,7 +271,7 @@ def audit_controller(case: Case, results: Results, name: str) -> tuple[float, fl
         source="Section IV",
         method=f"exact Hamiltonian of the doubles, attained at {bounds.frequency:.3g} rad/s",
     )
-    measures = measure(case, results, name, "disk_radius", "abscissa")
+    measures = measure(case, results, name, ("disk_radius", "abscissa"), int(case.number("draws")))
     reach = plant.enclosed_loop(case, name)["disk_radius"]["value"]
     results.say(f"Section IV, {name}", f"disk {reach:.4f}, norm {bounds.lower:.4f}, {measures}")
     return bounds.lower, reach
@@ -301,17 +303,11 @@ def tradeoff(case: Case, results: Results) -> None:
     No claim rests on what is simulated here, and no log is kept of it.
     """
     for name in (name for name in case.designs if name.startswith("tradeoff_")):
-        results.say(f"trade-off, {name}", measure(case, results, name, "abscissa"))
+        words = measure(case, results, name, ("abscissa",), int(case.number("tradeoff_draws")))
+        results.say(f"trade-off, {name}", words)
         loop = FlexibleLoop(case, plant.controller(case, name))
         first, second = (loop.extremes(loop.solve(steps)) for steps in (STEPS, 2 * STEPS))
-        for quantity in (
-            "peak_torque",
-            "residual_angle",
-            "residual_rate",
-            "settling_time",
-            "peak_mode",
-            "residual_mode",
-        ):
+        for quantity in MEASURED_IN_TIME:
             value = first[quantity][1]
             band = 2 * abs(value - second[quantity][1])
             results.quantity(
