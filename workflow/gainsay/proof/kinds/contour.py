@@ -50,8 +50,7 @@ OPTIONAL = ("Dw", "shift", "radius", "alpha", "scale", "B", "C", "D", "Dd", "Ew"
 LEVELS = ("alpha", "radius", "gamma")
 FOUND = ("arcs", "scale")
 _DEPTH, _MOST_ARCS = 16, 2000
-# pieces of one length proved in a row after which the double length is tried
-_LONGER = 4
+_LONGER = 4  # pieces of one length proved in a row after which the double length is tried
 
 
 @dataclass(frozen=True)
