@@ -102,6 +102,12 @@ def test_blocks_are_placed_and_mirrored():
     assert (fractions(block([[A], [Matrix.number(0)]])) == [[1, 2], [3, 4], [0, 0]]).all()
 
 
+@pytest.mark.parametrize("nothing", [Matrix.number(0), Matrix.number(0).to_ball(), zeros(1, 1)])
+def test_division_by_what_is_or_may_be_zero_is_refused(nothing):
+    with pytest.raises(RingError, match="is or may be zero"):
+        eye(2).over(nothing)
+
+
 def test_balls_and_polynomials_do_not_mix():
     x = Matrix.number(fmpq_mpoly_ctx.get(["x"]).gens()[0])
     pi = Matrix.number(arb.pi())

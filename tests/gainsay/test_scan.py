@@ -34,6 +34,13 @@ def run(evaluate, comparator, published, **options):
     return outcome(of, json.loads(json.dumps(scanned(evaluate, of, **options).to_json())))
 
 
+@given(st.sampled_from([X, Y]), st.floats(0, 1))
+def test_a_sample_lies_within_its_range_where_its_fraction_says(one, fraction):
+    value = one.at(fraction)
+    assert one.low * (1 - 1e-12) <= value <= one.high * (1 + 1e-12)
+    assert math.isclose(one.fraction(value), fraction, abs_tol=1e-12)
+
+
 def test_boundary_of_a_known_threshold_is_located():
     # Closed form: x y <= 3 turns at x = 3/y along x and at y = 3/x along y.
     found = run(lambda p: p["x"] * p["y"], "at_most", "3", width=1e-6)
