@@ -87,7 +87,8 @@ slurm: environment
 
 nightly: environment kernels versions
 	@GAINSAY_NIGHT=1 $(RUN) pytest -n 2 -m slow tests/known/test_proof_changes.py tests/gainsay/test_tables_damage.py \
-	  tests/gainsay/test_results_damage.py tests/papers/test_assumed_inputs.py
+	  tests/gainsay/test_results_damage.py tests/gainsay/test_crate.py tests/papers/test_assumed_inputs.py \
+	  tests/papers/test_own_choices.py
 
 clean:
 	@rm -rf results/*/ results/.checked results/*.html results/*.json results/*.csv results/*.log
