@@ -1,5 +1,6 @@
 """A small project on disk that tests of tables, verdicts and steps share."""
 
+import csv
 import os
 import sys
 from collections.abc import Generator
@@ -10,6 +11,7 @@ import pytest
 from hypothesis import settings
 
 from gainsay.tables import Case, read_case
+from gainsay.tables.files import write_csv
 
 # No example has a deadline: on a machine that others use it would be their load that is tested.
 settings.register_profile("here", deadline=None)
@@ -82,6 +84,13 @@ audit.length,1.5,m,rounding,1e-6,1e-12,condition of a million
 }
 
 
+EDITIONS = """
+from gainsay.statements import Statement
+PRINTED = Statement("(21)", "Theorem 1", ("x", "z"), {("x", "z"): "C.T", ("z", "z"): "g*eye(2)"}, {})
+EDITIONS = (PRINTED.corrected({("z", "z"): "-g*eye(2)"}),)
+"""
+
+
 @dataclass
 class Project:
     """A project folder whose files a test may change."""
@@ -97,6 +106,15 @@ class Project:
         text = self.file(name).read_text()
         assert text.count(old) == 1, (name, old)
         self.file(name).write_text(text.replace(old, new))
+
+    def follow_edition(self, edition: str) -> None:
+        """Let the erratum follow from an edition of a statement of the paper."""
+        header, *rows = csv.reader(self.file("errata.csv").read_text().splitlines())
+        texts = header.index("printed"), header.index("corrected")
+        rows = [["" if i in texts else cell for i, cell in enumerate(row)] + [edition] for row in rows]
+        write_csv(self.file("errata.csv"), [*header, "edition"], rows)
+        self.file("statements.py").write_text(EDITIONS)
+        (self.root / "papers" / "__init__.py").write_text("")
 
     def case(self) -> Case:
         return read_case(self.root, self.paper)

@@ -53,6 +53,11 @@ def test_a_number_that_moves_with_the_machine_is_found(toy):
     assert found == [] and used[0][3] == pytest.approx(0.4, rel=1e-4)
 
 
+def test_an_erratum_that_follows_from_an_edition_is_no_difference(toy):
+    toy.follow_edition("(21) corrected: (2,2)")
+    assert run(toy)[:2] == ([], [])
+
+
 def test_a_step_that_breaks_is_said(toy):
     toy.edit("audit.py", "TASKS = (length,)", "TASKS = (length,)\nraise SystemExit(7)")
     broken, _, used = run(toy)

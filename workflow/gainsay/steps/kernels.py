@@ -27,7 +27,7 @@ from gainsay.verdicts.tolerance import share
 
 #: part of its tolerance that a quantity may use on another machine; above it, its bound is not a bound
 LARGEST_SHARE = 0.3
-STEPS = ("synthesis", "audit", "simulation", "verdicts")
+STEPS = ("synthesis", "audit", "simulation", "verdicts", "compare")
 COLUMNS = ("paper", "quantity", "class", "share", "machine")
 
 
