@@ -1,5 +1,6 @@
 """Audit of the printed controllers: poles, norms, vertices, random gains; and of what the model leaves out."""
 
+from collections.abc import Mapping
 from fractions import Fraction
 from itertools import product
 
@@ -217,7 +218,7 @@ def flexible_loop(case: Case, results: Results) -> None:
     results.say("(6) with (8)", "stable, and outside the disk that the reduced loop keeps")
 
 
-def measure(case: Case, results: Results, name: str, quantities: tuple[str, ...], draws: int) -> str:
+def measure(case: Case, results: Results, name: str, poles: Mapping[str, Mapping[str, float]], draws: int) -> str:
     """Measure a controller on the models of the paper and under other gains; return what was found in a few words.
 
     Parameters
@@ -225,8 +226,8 @@ def measure(case: Case, results: Results, name: str, quantities: tuple[str, ...]
     case, results : Case, Results
     name : str
         Of the controller.
-    quantities : tuple of str
-        Those that stand in balls over the digits of its gains, see `plant.enclosed_loop`.
+    poles : mapping
+        What is wanted of `plant.enclosed_loop`, in balls over the digits of its gains.
     draws : int
         Behind the unstable fraction.
     """
@@ -241,9 +242,8 @@ def measure(case: Case, results: Results, name: str, quantities: tuple[str, ...]
         "disk_radius": "largest |s + 1.01| over the eigenvalues of (10), in balls over the printed digits",
         "abscissa": "eigenvalues of (10), in balls over the printed digits",
     }
-    poles = plant.enclosed_loop(case, name)
-    for quantity in quantities:
-        results.quantity(f"audit.{name}.{quantity}", **poles[quantity], method=methods[quantity], source="Section IV")
+    for quantity, enclosure in poles.items():
+        results.quantity(f"audit.{name}.{quantity}", **enclosure, method=methods[quantity], source="Section IV")
     rows = {
         "flexible_abscissa": (HalfPlane().reach(flexible), "eigenvalues of (6) with (8), 20 states"),
         "flexible_disk_radius": (disk.reach(flexible), "largest |s + 1.01| over the 20 eigenvalues of (6) with (8)"),
@@ -263,6 +263,7 @@ def measure(case: Case, results: Results, name: str, quantities: tuple[str, ...]
 def audit_controller(case: Case, results: Results, name: str) -> tuple[float, float]:
     """Every quantity of one controller that needs no simulation; return its norm and how far poles lie from -1.01."""
     bounds = hinf_enclosure(*reduced_loop(case, plant.controller(case, name)))
+    poles = plant.enclosed_loop(case, name)
     results.quantity(
         f"audit.{name}.hinf",
         bounds.lower,
@@ -271,8 +272,8 @@ def audit_controller(case: Case, results: Results, name: str) -> tuple[float, fl
         source="Section IV",
         method=f"exact Hamiltonian of the doubles, attained at {bounds.frequency:.3g} rad/s",
     )
-    measures = measure(case, results, name, ("disk_radius", "abscissa"), int(case.number("draws")))
-    reach = plant.enclosed_loop(case, name)["disk_radius"]["value"]
+    measures = measure(case, results, name, poles, int(case.number("draws")))
+    reach = poles["disk_radius"]["value"]
     results.say(f"Section IV, {name}", f"disk {reach:.4f}, norm {bounds.lower:.4f}, {measures}")
     return bounds.lower, reach
 
@@ -303,7 +304,8 @@ def tradeoff(case: Case, results: Results) -> None:
     No claim rests on what is simulated here, and no log is kept of it.
     """
     for name in (name for name in case.designs if name.startswith("tradeoff_")):
-        words = measure(case, results, name, ("abscissa",), int(case.number("tradeoff_draws")))
+        poles = {"abscissa": plant.enclosed_loop(case, name)["abscissa"]}
+        words = measure(case, results, name, poles, int(case.number("tradeoff_draws")))
         results.say(f"trade-off, {name}", words)
         loop = FlexibleLoop(case, plant.controller(case, name))
         first, second = (loop.extremes(loop.solve(steps)) for steps in (STEPS, 2 * STEPS))

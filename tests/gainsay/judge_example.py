@@ -4,8 +4,7 @@ from fractions import Fraction
 from typing import get_args
 
 from gainsay.scans.outcome import outcome
-from gainsay.tables.lint import PROVED
-from gainsay.tables.models import Claim, Kind, Quantity
+from gainsay.tables.models import PROVED, Claim, Kind, Quantity
 from gainsay.verdicts.evidence import ComputedQuantity, Concluded, Evidence
 from gainsay.verdicts.judge import judge
 

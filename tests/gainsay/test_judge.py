@@ -6,8 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gainsay.exact.digits import PrintedNumber
-from gainsay.tables.lint import PROVED
-from gainsay.tables.models import VERDICTS, Claim
+from gainsay.tables.models import PROVED, VERDICTS, Claim
 from gainsay.tables.sentences import SEVERITY
 from gainsay.verdicts.evidence import Concluded, Evidence
 from gainsay.verdicts.judge import contradictions, judge

@@ -8,7 +8,7 @@ import pytest
 from gainsay.scans.criterion import NUMERIC, criteria
 from gainsay.scans.outcome import outcome
 from gainsay.tables import paper_names, read_case
-from gainsay.tables.lint import PROVED
+from gainsay.tables.models import PROVED
 from gainsay.verdicts.evidence import ComputedQuantity, Concluded, Evidence
 from gainsay.verdicts.judge import judge
 

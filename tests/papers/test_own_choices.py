@@ -20,8 +20,7 @@ import pytest
 from gainsay.results import Results, run_tasks
 from gainsay.scans.outcome import outcome, outcomes, read_scans
 from gainsay.tables import paper_names, read_case
-from gainsay.tables.lint import PROVED
-from gainsay.tables.models import Claim
+from gainsay.tables.models import PROVED, Claim
 from gainsay.verdicts.evidence import ComputedQuantity, Concluded, Evidence
 from gainsay.verdicts.judge import Judgement, judge
 from papers.li2021 import plant as satellite

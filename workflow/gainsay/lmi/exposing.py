@@ -13,12 +13,12 @@ from flint import fmpq, fmpq_mat
 
 from gainsay.exact.definite import positive_definite
 from gainsay.exact.linear import Unsolvable, complete
-from gainsay.exact.rational import to_fmpq
+from gainsay.exact.rational import fraction_of, rational_matrix, to_fmpq
 from gainsay.lmi import scaling
 from gainsay.lmi.affine import Definite, Entrywise, Equal
 from gainsay.lmi.rounding import power_of_two
 
-__all__ = ["Face", "exact_faces", "exact_multipliers"]
+__all__ = ["Face", "exact_faces", "exact_multipliers", "nearest_doubles"]
 
 # what is tried in rationals: unknown entries of multipliers, and coordinates
 _MOST_ENTRIES = 400
@@ -191,7 +191,7 @@ def _snapped_face(
             shapes.append(r)
             if frame is None:
                 continue
-            back = np.linalg.pinv(_floats(frame)) @ f
+            back = np.linalg.pinv(nearest_doubles(frame)) @ f
             core = back @ back.T
             parts = [_congruent(frame, tensor[:, :, k]) for k in range(len(scaled.cost))]
             parts.append(_congruent(frame, constant))
@@ -281,12 +281,12 @@ def _snapped(value: float, snap: tuple[int, float]) -> Fraction:
     return Fraction(float(value))
 
 
-def _floats(matrix: fmpq_mat) -> np.ndarray:
-    return np.array([[int(v.p) / int(v.q) for v in row] for row in matrix.tolist()])
+def nearest_doubles(matrix: fmpq_mat) -> np.ndarray:
+    """Entries of a rational matrix, each rounded once."""
+    return np.array([[float(fraction_of(v)) for v in row] for row in matrix.tolist()])
 
 
 def _congruent(frame: fmpq_mat, block: np.ndarray) -> fmpq_mat | None:
     if not block.any():
         return None
-    exact = fmpq_mat([[to_fmpq(float(v)) for v in row] for row in block])
-    return frame.transpose() * exact * frame
+    return frame.transpose() * rational_matrix(block.tolist()) * frame

@@ -18,7 +18,7 @@ from gainsay.exact.rational import fraction_of, to_fmpq
 from gainsay.lmi import scaling
 from gainsay.lmi.affine import Affine, Definite, Entrywise, Equal
 from gainsay.lmi.duality import unscaled
-from gainsay.lmi.exposing import Face, exact_multipliers
+from gainsay.lmi.exposing import Face, exact_multipliers, nearest_doubles
 from gainsay.lmi.outcomes import Farkas
 from gainsay.lmi.points import is_strict
 from gainsay.lmi.program import Program, Row
@@ -61,7 +61,7 @@ def _multipliers(program: Program, face: Face) -> list[np.ndarray]:
     z = []
     for constraint, row, frame, core in zip(program.constraints, program.rows, face.frames, face.cores, strict=True):
         if isinstance(constraint, Definite):
-            m = np.zeros((row.size, row.size)) if frame is None else _floats(frame * core * frame.transpose())
+            m = np.zeros((row.size, row.size)) if frame is None else nearest_doubles(frame * core * frame.transpose())
         elif isinstance(constraint, Equal):
             m = np.array([float(fraction_of(v)) for v in core])
         else:
@@ -69,10 +69,6 @@ def _multipliers(program: Program, face: Face) -> list[np.ndarray]:
             m[frame] = [float(fraction_of(v)) for v in core]
         z.append(m)
     return z
-
-
-def _floats(matrix: fmpq_mat) -> np.ndarray:
-    return np.array([[float(fraction_of(v)) for v in row] for row in matrix.tolist()])
 
 
 def reduced(program: Program, scale: scaling.Scaling, face: Face) -> Program | None:

@@ -12,8 +12,7 @@ from types import ModuleType
 from typing import get_args
 
 from gainsay.proof import formulas, kinds
-from gainsay.tables.lint import PROVED
-from gainsay.tables.models import Comparator, Kind
+from gainsay.tables.models import PROVED, Comparator, Kind
 
 _NOTE = "Generated from the code by `make docs`; do not edit.\n"
 

@@ -8,24 +8,10 @@ from gainsay.errors import InputError, nearest, one_of
 from gainsay.exact.digits import PrintedNumber, double
 from gainsay.tables.campaigns import faults as campaign_faults
 from gainsay.tables.case import Case
-from gainsay.tables.models import Claim, Erratum, Toleranced
+from gainsay.tables.models import PROVED, Claim, Erratum, Toleranced
 from gainsay.tables.thresholds import published_ends, reading_faults, thresholds
 from gainsay.tables.units import to_si
 
-#: kinds whose verdict needs a certificate that the checker accepts
-PROVED = frozenset(
-    {
-        "identity",
-        "definiteness",
-        "feasibility",
-        "stability",
-        "pole-region",
-        "norm-bound",
-        "cost-bound",
-        "input-bound",
-        "delay-margin",
-    }
-)
 #: kinds of which a claim may be a yes or no
 YES_OR_NO = frozenset({"identity", "definiteness", "feasibility", "stability", "pole-region"})
 _STATES = {"holds": "holds", "fails": "fails", "feasible": "is feasible", "infeasible": "is infeasible"}

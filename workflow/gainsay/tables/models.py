@@ -9,9 +9,7 @@ from gainsay.exact.digits import EXPECTED, PrintedNumber
 from gainsay.tables.units import to_si
 
 Verdict = Literal["reproduced", "contradicted", "undetermined", "undecided", "uncheckable", "failed"]
-Kind = Literal[
-    "parameter",
-    "gain",
+ProvedKind = Literal[
     "identity",
     "definiteness",
     "feasibility",
@@ -21,6 +19,11 @@ Kind = Literal[
     "cost-bound",
     "input-bound",
     "delay-margin",
+]
+Kind = Literal[
+    "parameter",
+    "gain",
+    ProvedKind,
     "trajectory",
     "ordering",
     "figure",
@@ -48,6 +51,8 @@ ScanItem = Literal[
     "fails_at",
 ]
 VERDICTS: tuple[str, ...] = get_args(Verdict)
+#: kinds whose verdict needs a certificate that the checker accepts
+PROVED = frozenset(get_args(ProvedKind))
 
 
 def _unit(value: str) -> str:

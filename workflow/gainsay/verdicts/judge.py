@@ -11,8 +11,8 @@ from gainsay.results.returned import FROM_DIGITS
 from gainsay.scans.criterion import criteria
 from gainsay.scans.outcome import Outcome
 from gainsay.tables import Case
-from gainsay.tables.lint import PROVED, given_of
-from gainsay.tables.models import Claim
+from gainsay.tables.lint import given_of
+from gainsay.tables.models import PROVED, Claim
 from gainsay.tables.sentences import of_sentence
 from gainsay.tables.units import to_si
 from gainsay.verdicts.evidence import ComputedQuantity, Evidence
