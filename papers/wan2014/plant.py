@@ -142,29 +142,23 @@ class ClosedLoop:
 
         return derivative
 
-    def many_slopes(self) -> Callable[[float, np.ndarray], np.ndarray]:
-        """Return f(t, states (m, 12)) of m flights [x; estimate] at once, two-body plant, unclipped thrust."""
-        orbit, anomaly, C = target_orbit(self.case), self.anomaly(), self.case.matrix("C")
-        rates = np.zeros((12, 12))
-        rates[POSITION, VELOCITY] = np.eye(3)
-        rates[VELOCITY, ESTIMATE] = -self.K / self.case.number("mass")
-        rates[ESTIMATE, :6] = self.L @ C
-        rates[ESTIMATE, ESTIMATE] = self.model.A - self.L @ C - self.model.B @ self.K
+    def many_flights(self) -> tuple[np.ndarray, np.ndarray, Callable[[np.ndarray, np.ndarray], np.ndarray]]:
+        """Return (7), (10) and the two-body plant as `linear`, `entry` and `rest` of `simulation.batch.segments`.
 
-        def slopes(t: float, states: np.ndarray) -> np.ndarray:
-            change, columns = states @ rates.T, states.T
-            free = relative_acceleration(orbit, anomaly(t), columns[POSITION], columns[VELOCITY])
-            for axis, one in enumerate(free):
-                change[:, 3 + axis] += one
-            return change
+        The states are [x; estimate], the thrust is not clipped. Linear are the plant (1) with the printed n and the
+        observer; the rest is what the acceleration of the two-body problem has beyond (1).
+        """
+        orbit, C, A, B = target_orbit(self.case), self.case.matrix("C"), self.model.A, self.model.B
+        start = self.case.number("mean_anomaly_at_start")
+        linear = np.block([[A, -B @ self.K], [self.L @ C, A - self.L @ C - B @ self.K]])
 
-        return slopes
+        def rest(times: np.ndarray, states: np.ndarray) -> np.ndarray:
+            anomalies = [true_anomaly(start + orbit.mean_motion * t, orbit.eccentricity) for t in times.tolist()]
+            position, velocity = np.moveaxis(states[..., POSITION], -1, 0), np.moveaxis(states[..., VELOCITY], -1, 0)
+            free = relative_acceleration(orbit, np.array(anomalies)[:, None], position, velocity)
+            return np.stack(free, axis=-1) - states[..., :6] @ A[VELOCITY].T
 
-    def anomaly(self) -> Callable[[float], float]:
-        """Return the true anomaly of the target over time, rad, from Kepler's equation."""
-        orbit, start = target_orbit(self.case), self.case.number("mean_anomaly_at_start")
-        rate, eccentricity = orbit.mean_motion, orbit.eccentricity
-        return lambda t: true_anomaly(start + rate * float(t), eccentricity)
+        return linear, np.eye(12)[:, VELOCITY], rest
 
     def kinks(self) -> tuple:
         """Return the functions at whose zeros clipping begins or ends."""

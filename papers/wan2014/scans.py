@@ -172,8 +172,7 @@ class Flights:
         """
         end, size = self.case.number("horizon"), np.tile([1.0] * 3 + [1e-2] * 3, 2)
         part = None
-        slopes = self.loop.many_slopes()
-        for part in segments(slopes, self.starts, end, rtol=RTOL, atol=RTOL * size, length=STRETCH):
+        for part in segments(*self.loop.many_flights(), self.starts, end, rtol=RTOL, atol=RTOL * size, length=STRETCH):
             self._look(part)
         if part is None or self._far.any() or self._off.any():
             raise ComputationError("Figures 2 to 5", "a flight is not captured or settled at the end of the horizon")

@@ -74,7 +74,7 @@ class Meter:
         import scipy.integrate
 
         from gainsay.lmi import backends
-        from gainsay.simulation import delay_steps, linear, periodic
+        from gainsay.simulation import batch, delay_steps, linear, periodic
 
         places: list[tuple[Any, str, Callable[..., Any]]] = [
             (backends, "bare_solve", self.around("solves", backends.bare_solve)),
@@ -85,6 +85,7 @@ class Meter:
             for kind, name in (
                 (periodic.PeriodicSolution, "__init__"),
                 (linear.Response, "__init__"),
+                (batch.Stepper, "tried"),
                 (delay_steps.Steps, "of"),  # a bound method of the class: counted, it takes the same arguments
                 (delay_steps.Steps, "run"),
             )

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from gainsay.errors import InputError
-from gainsay.exact.floats import real_number
+from gainsay.exact.floats import real_array, real_number
 
 
 def _require_positive(**values: float) -> None:
@@ -118,17 +118,20 @@ class KeplerOrbit:
         """Specific angular momentum, m^2/s."""
         return math.sqrt(self.gravitational_parameter * self.semi_latus_rectum)
 
-    def radius(self, true_anomaly: float) -> float:
-        """Distance from the Earth's centre, m; InputError where the true anomaly is no finite angle."""
-        angle = real_number(true_anomaly, "true_anomaly")
-        return self.semi_latus_rectum / (1 + self.eccentricity * math.cos(angle))
+    def radius(self, true_anomaly: Any) -> Any:
+        """Distance from the Earth's centre, m, at a true anomaly or an array of them; InputError where it is none."""
+        if isinstance(true_anomaly, np.ndarray):
+            cosine = np.cos(real_array(true_anomaly, "true_anomaly"))
+        else:
+            cosine = math.cos(real_number(true_anomaly, "true_anomaly"))
+        return self.semi_latus_rectum / (1 + self.eccentricity * cosine)
 
-    def frame_motion(self, true_anomaly: float) -> tuple[float, float, float]:
-        """Return radius (m), angular rate (rad/s) and angular acceleration (rad/s^2) of the LVLH frame."""
+    def frame_motion(self, true_anomaly: Any) -> tuple[Any, Any, Any]:
+        """Return radius (m), angular rate (rad/s) and angular acceleration (rad/s^2) of the LVLH frame, as `radius`."""
         e, h, p = self.eccentricity, self.angular_momentum, self.semi_latus_rectum
         radius = self.radius(true_anomaly)
         rate = h / radius**2
-        radial_speed = h / p * e * math.sin(true_anomaly)
+        radial_speed = h / p * e * (np.sin if isinstance(true_anomaly, np.ndarray) else math.sin)(true_anomaly)
         return radius, rate, -2 * radial_speed * rate / radius
 
     def inertial_state(self, true_anomaly: float) -> tuple[np.ndarray, np.ndarray]:
@@ -194,7 +197,7 @@ def _differential_gravity(mu: float, radius: float, x: Any, y: Any, z: Any) -> t
 
 
 def relative_acceleration(
-    orbit: KeplerOrbit, true_anomaly: float, position: Iterable[Any], velocity: Iterable[Any]
+    orbit: KeplerOrbit, true_anomaly: Any, position: Iterable[Any], velocity: Iterable[Any]
 ) -> tuple[Any, Any, Any]:
     """Return the free relative acceleration in the rotating LVLH frame, m/s^2.
 
@@ -202,8 +205,8 @@ def relative_acceleration(
     ----------
     orbit : KeplerOrbit
         Orbit of the target.
-    true_anomaly : float
-        Of the target, rad.
+    true_anomaly : float or ndarray
+        Of the target, rad; an array goes together with those of the position.
     position, velocity : 3 floats or 3 arrays of one shape
         Of the chaser, or of many, relative to the target, in the rotating frame, m and m/s.
 

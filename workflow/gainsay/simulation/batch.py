@@ -1,36 +1,35 @@
-"""Many flights of one system at once: one integration over all starts, with the tolerance kept for each of them.
+"""Many flights of one system at once: one collocation over all starts, with the tolerance kept for each of them.
 
-The error of a step is measured over all flights together; the tolerance is divided by the root of their number, so that
-no single flight's error, in the same root mean square over its states, exceeds what was asked. Flights come in segments
-of time, each with dense output, so that memory stays bounded however long they are.
-
-References
-----------
-E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed., Springer, 1993, section II.4
-(error control by a norm over the components), II.10 (DOP853 and its dense output).
+x' = M x + N g(t, x), where g varies little over a step: a step is solved for all flights by products of matrices. It is
+as long as the polynomial of every flight resolves its solution, so that states between steps are as good as those at
+their ends. Flights come in segments of time, so that memory stays bounded however long they are.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
-import scipy  # its packages are loaded when they are used
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.exact.floats import real_array, real_number
-from gainsay.simulation.ode import Guarded
+from gainsay.simulation.radau import Radau, Step
 
-if TYPE_CHECKING:
-    from scipy.integrate import OdeSolution
-
-#: f(t, states (m, n)) -> slopes (m, n)
-Slopes = Callable[[float, np.ndarray], np.ndarray]
+#: g(times (s,), states (s, m, n)) -> (s, m, q)
+Rest = Callable[[np.ndarray, np.ndarray], np.ndarray]
 #: (states (k, n), times (k,)) -> values (k,)
 Output = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 _GOLDEN = (np.sqrt(5) - 1) / 2
 _HALVINGS = 60
+_RULE = Radau(8)
+#: part of the tolerance to which the iteration of a step settles, and the most iterations before the step is halved
+_SETTLED, _MOST_ITERATIONS = 0.01, 12
+#: part of the tolerance that lets the next step be twice as long: the highest terms grow by up to 2^s
+_EASY = 2.0 ** -(_RULE.stages + 1)
+#: shortest step, as a part of the whole
+_SHORTEST = 1e-12
+_TINY = 1e-300
 
 
 @dataclass(frozen=True)
@@ -39,15 +38,17 @@ class Segment:
 
     Attributes
     ----------
-    steps : ndarray, shape (k,)
+    steps : ndarray, shape (k + 1,)
         Ends of the integrator's steps from the first to the last time of the segment, s.
-    shape : tuple of int
-        Number of flights, number of states.
+    starts : ndarray, shape (k, n, m)
+        States of m flights before each step.
+    slopes : ndarray, shape (k, s, n, m)
+        Slopes at the points of each step.
     """
 
     steps: np.ndarray
-    shape: tuple[int, int]
-    _solution: "OdeSolution"
+    starts: np.ndarray
+    slopes: np.ndarray
 
     def grid(self, refine: int) -> np.ndarray:
         """Return so many times a step, and the last time, s."""
@@ -56,41 +57,50 @@ class Segment:
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
         """Return the states of all flights at some times, shape (len(times), m, n)."""
-        return self._solution(np.asarray(times)).T.reshape(-1, *self.shape)
+        step, weights = self._places(np.asarray(times, dtype=float))
+        states = self.starts[step]
+        for one in np.unique(step):
+            at = step == one
+            states[at] += np.tensordot(weights[at], self.slopes[one], 1)
+        return states.swapaxes(1, 2)
 
     def of(self, flights: np.ndarray, times: np.ndarray) -> np.ndarray:
         """Return the states of chosen flights, each at a time of its own, shape (len(flights), n)."""
-        states = np.empty((len(flights), self.shape[1]))
-        steps = np.clip(np.searchsorted(self.steps, times) - 1, 0, len(self.steps) - 2)
-        for step in np.unique(steps):
-            at = steps == step
-            states[at] = self._within(self._solution.interpolants[step], flights[at], times[at])
-        return states
+        step, weights = self._places(times)
+        return self.starts[step, :, flights] + np.einsum("ks,ksn->kn", weights, self.slopes[step, :, :, flights])
 
-    def _within(self, step: Any, flights: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """The polynomial of one step (Hairer, II.6, as SciPy nests it) for the states of chosen flights alone."""
-        share = ((times - step.t_old) / step.h)[:, None]
-        value = np.zeros((len(flights), self.shape[1]))
-        for number, part in enumerate(reversed(step.F)):
-            value += part.reshape(self.shape)[flights]
-            value *= 1 - share if number % 2 else share
-        return value + step.y_old.reshape(self.shape)[flights]
+    def _places(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The step in which each time lies, and the weights of the slopes of that step."""
+        step = np.clip(np.searchsorted(self.steps, times) - 1, 0, len(self.steps) - 2)
+        h = np.diff(self.steps)[step]
+        return step, h[:, None] * _RULE.integrals((times - self.steps[step]) / h)
 
 
 def segments(
-    slopes: Slopes, starts: np.ndarray, end: float, *, rtol: float, atol: np.ndarray, length: float
+    linear: np.ndarray,
+    entry: np.ndarray,
+    rest: Rest,
+    starts: np.ndarray,
+    end: float,
+    *,
+    rtol: float,
+    atol: np.ndarray,
+    length: float,
 ) -> Iterator[Segment]:
-    """Integrate all flights from 0 to `end` and yield them segment by segment.
+    """Integrate x' = linear x + entry g(t, x) for all flights from 0 to `end` and yield them segment by segment.
 
     Parameters
     ----------
-    slopes : callable
-        f(t, states (m, n)) -> slopes (m, n), smooth.
+    linear, entry : ndarray
+        Shapes (n, n) and (n, q); the linear part may be stiff.
+    rest : callable
+        g(times (s,), states (s, m, n)) -> (s, m, q), smooth.
     starts : ndarray, shape (m, n)
     end : float
         s.
     rtol : float
-        Relative tolerance of each flight, per step.
+        Relative tolerance of each flight, per step: the root mean square, over its states, of what the two highest
+        Legendre polynomials of a step add to it stays below.
     atol : ndarray, shape (n,)
         Absolute tolerances.
     length : float
@@ -99,48 +109,109 @@ def segments(
     Raises
     ------
     InputError
-        If there is no flight, a length, the end or a tolerance is not positive, or the slopes are no numbers.
+        If there is no flight, a length, the end or a tolerance is not positive, shapes disagree, or what should be
+        numbers is not.
     ComputationError
-        If the integrator gives up or stands still, or a slope is no number, with the time.
+        If the steps become too short to go on, or g is not a number, with the time.
     """
-    starts, atol = real_array(starts, "starts"), real_array(atol, "atol")
+    linear, entry, starts, atol = (
+        real_array(value, name)
+        for name, value in (("linear", linear), ("entry", entry), ("starts", starts), ("atol", atol))
+    )
     if starts.ndim != 2 or not starts.size:
         raise InputError("flights", field="starts", value=starts.shape, expected="shape (m, n)")
+    n = starts.shape[1]
+    if linear.shape != (n, n) or entry.ndim != 2 or len(entry) != n:
+        raise InputError("flights", field="linear, entry", value=(linear.shape, entry.shape), expected=f"{n} rows")
     for name, value in (("end", end), ("length", length), ("rtol", rtol)):
         if not real_number(value, name) > 0:
             raise InputError("flights", field=name, value=value, expected="above 0")
-    if atol.shape != starts.shape[1:] or not (atol >= 0).all():
+    if atol.shape != (n,) or not (atol >= 0).all():
         raise InputError("flights", field="atol", value=atol.tolist(), expected="one number a state, >= 0")
-    shape, share = starts.shape, 1 / np.sqrt(len(starts))
-    flat_atol = np.tile(share * atol, len(starts))
-
-    def flat(t: float, state: np.ndarray) -> np.ndarray:
-        given = np.asarray(slopes(t, state.reshape(shape)))
-        if given.shape != shape:
-            raise InputError("flights", field="slopes", value=given.shape, expected=f"shape {shape}")
-        return given.ravel()
-
-    guarded = Guarded(flat, starts.size, end)
-    time, state, first = 0.0, starts.ravel(), None
+    stepper = Stepper(linear, entry, rest, rtol, atol[:, None])
+    time, state, h = 0.0, starts.T, min(length, end)
     while time < end:
         stop = min(time + length, end)
-        solution = scipy.integrate.solve_ivp(
-            guarded,
-            (time, stop),
-            state,
-            "DOP853",
-            rtol=share * rtol,
-            atol=flat_atol,
-            dense_output=True,
-            first_step=None if first is None else min(first, stop - time),
-        )
-        if solution.status < 0 or not np.isfinite(solution.y[:, -1]).all():
-            raise ComputationError(
-                "flights", f"the integration ended at t = {float(solution.t[-1])!r} s: {solution.message}"
-            )
-        yield Segment(solution.t, shape, solution.sol)
-        time, state = stop, solution.y[:, -1]
-        first = float(np.diff(solution.t)[-2]) if len(solution.t) > 2 else None
+        steps, before, slopes = [time], [], []
+        while time < stop:
+            taken = min(h, stop - time)
+            slope, following, size = stepper.tried(time, state, taken)
+            if not size <= 1:
+                h = taken / 2
+                if h < _SHORTEST * end:
+                    raise ComputationError("flights", f"the steps become too short at t = {time!r} s")
+                continue
+            # a step that ends a segment may be a short one: it says nothing against the length of the others
+            h = 2 * taken if size < _EASY and taken == h else h
+            time = stop if taken == stop - time else time + taken
+            steps.append(time)
+            before.append(state)
+            slopes.append(slope)
+            state = following
+        yield Segment(np.array(steps), np.array(before), np.array(slopes))
+
+
+@dataclass
+class Stepper:
+    """Steps of all flights, of states (n, m).
+
+    Parameters
+    ----------
+    linear, entry, rest, rtol
+        As in `segments`.
+    atol : ndarray, shape (n, 1)
+    """
+
+    linear: np.ndarray
+    entry: np.ndarray
+    rest: Rest
+    rtol: float
+    atol: np.ndarray
+    latest: np.ndarray | None = field(default=None, init=False)
+
+    def __post_init__(self) -> None:
+        self.maps = lru_cache(maxsize=64)(lambda h: Step.of(_RULE, h, self.linear, self.entry))
+
+    def tried(self, time: float, state: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray, float]:
+        """Slopes (s, n, m) and state at the end of a step, and the size of its highest terms in tolerances.
+
+        The size is not a number where the iteration does not settle.
+        """
+        s, (n, m) = _RULE.stages, state.shape
+        maps, times = self.maps(h), time + h * _RULE.nodes
+        # whatever leaves double precision is of a step that is too long
+        with np.errstate(over="ignore", invalid="ignore"):
+            by_state, by_rest = maps.states
+            free = by_state @ state
+            points = free if self.latest is None else free + by_rest @ np.tile(self.latest, (s, 1))
+            for _ in range(_MOST_ITERATIONS):
+                rest = self._rest(times, points.reshape(s, n, m))
+                before, points = points, free + by_rest @ rest
+                if self._size((points - before).reshape(s, n, m), state) <= _SETTLED:
+                    break
+            else:
+                return points, state, float("nan")
+            slopes = (maps.slopes[0] @ state + maps.slopes[1] @ rest).reshape(s, n, m)
+            highest = h * np.tensordot(_RULE.highest, slopes, 1)
+            size = self._size(highest, state)
+        if size <= 1:
+            self.latest = rest[-self.entry.shape[1] :]
+        return slopes, points[-n:], size
+
+    def _size(self, changes: np.ndarray, state: np.ndarray) -> float:
+        """Root mean square over the states of a change in tolerances, where it is largest; changes are (k, n, m)."""
+        scaled = changes / (self.atol + self.rtol * np.abs(state) + _TINY)
+        return float(np.sqrt((scaled**2).mean(axis=1).max()))
+
+    def _rest(self, times: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """The rest at the points of a step, one below the other, shape (s q, m)."""
+        (s, _, m), q = points.shape, self.entry.shape[1]
+        given = real_array(self.rest(times, points.swapaxes(1, 2)), "rest", finite=False)
+        if given.shape != (s, m, q):
+            raise InputError("flights", field="rest", value=given.shape, expected=f"shape {(s, m, q)}")
+        if np.isnan(given).any() and np.isfinite(points).all():
+            raise ComputationError("flights", f"the rest is not a number at t = {float(times[0])!r} s")
+        return given.swapaxes(1, 2).reshape(s * q, m)
 
 
 def polished_peak(
