@@ -97,4 +97,4 @@ def forget_code():
     from gainsay.steps import campaign, closure
 
     campaign._code.cache_clear()
-    closure._imported.cache_clear()
+    closure._needed.cache_clear()

@@ -3,6 +3,7 @@
 import hashlib
 import math
 import shlex
+from functools import cache
 
 ROOT = Path(workflow.basedir).resolve()
 LIBRARY = Path(workflow.current_basedir).resolve().parents[1]
@@ -97,13 +98,19 @@ def tables(paper):
     )
 
     def well_formed(wildcards):
-        try:
-            read_case(ROOT, paper)
-        except InputError as error:
-            refuse(error)
+        require_tables(paper)
         return found
 
     return well_formed
+
+
+@cache
+def require_tables(paper):
+    """Refuse bad tables, looked at once for all the rules that ask."""
+    try:
+        read_case(ROOT, paper)
+    except InputError as error:
+        refuse(error)
 
 
 def present(paper, *tables):
