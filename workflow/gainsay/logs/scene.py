@@ -18,7 +18,7 @@ UPDATES = 400
 """Most updates drawn of a moving element; the exact numbers are in the signals."""
 _SEGMENTS = 12
 # corners of a plate's triangles, of its edges' points: left and right of a place, then those of the next
-_TRIANGLES = np.concatenate([2 * i + np.array([0, 1, 2, 2, 1, 3]) for i in range(_SEGMENTS)])
+_TRIANGLES = [2 * i + corner for i in range(_SEGMENTS) for corner in (0, 1, 2, 2, 1, 3)]
 _CANTILEVER = (1.8751040687119611, 4.694091132974175, 7.854757438237613, 10.995540734875467)
 
 
@@ -198,13 +198,13 @@ def _outline(appendage: Appendage) -> tuple[np.ndarray, np.ndarray, np.ndarray, 
 
 
 def plate(appendage: Appendage, modal: np.ndarray) -> np.ndarray:
-    """Corners (72, 3) of the triangles of a plate deflected by its modal coordinates, m."""
+    """Points (26, 3) on the edges of a plate deflected by its modal coordinates, m: left and right of each place."""
     rest, across, normal, modes = _outline(appendage)
     rise = np.zeros(len(rest))
     for tip, coordinate, mode in zip(appendage.tip, modal, modes, strict=False):
         rise += tip * coordinate * mode
     spine = rest + rise[:, None] * normal
-    return np.stack([spine + across, spine - across], axis=1).reshape(-1, 3)[_TRIANGLES]
+    return np.stack([spine + across, spine - across], axis=1).reshape(-1, 3)
 
 
 def body(frame: str, shape: Body, modal: np.ndarray) -> Any:
@@ -218,7 +218,8 @@ def body(frame: str, shape: Body, modal: np.ndarray) -> Any:
     for appendage in shape.appendages:
         mesh = made.triangles.add()
         mesh.pose.orientation.w = 1.0
-        corners = _finite(plate(appendage, modal), (None, 3), "plate")
-        mesh.points.extend(point(x=x, y=y, z=z) for x, y, z in corners.tolist())
+        edges = _finite(plate(appendage, modal), (None, 3), "plate")
+        corners = [point(x=x, y=y, z=z) for x, y, z in edges.tolist()]
+        mesh.points.extend([corners[k] for k in _TRIANGLES])
         _colour(mesh.color, "appendage")
     return made
