@@ -31,6 +31,7 @@ from gainsay.logs.eye import eye_of
 from gainsay.logs.foxglove import foxglove_layout
 from gainsay.logs.layout import bound_lines, playback_speed
 from gainsay.logs.palette import ROLES, in_plots, on_both, rgb, role
+from gainsay.logs.shapes import Shapes
 from tests.gainsay.demo_log import LAYOUT, write_demo
 
 
@@ -187,7 +188,7 @@ def test_the_camera_looks_from_where_the_eye_is(log):
     camera = json.loads(foxglove_layout(one(scene), log))["configById"]["3D!3d1"]["cameraState"]
     phi, theta, r = math.radians(camera["phi"]), math.radians(camera["thetaOffset"]), camera["distance"]
     away = (-r * math.sin(phi) * math.sin(theta), -r * math.sin(phi) * math.cos(theta), r * math.cos(phi))
-    eye = eye_of(scene, log)
+    eye = eye_of(scene, Shapes(log))
     assert camera["targetOffset"] == pytest.approx(eye.target)
     farther = np.subtract(eye.place, eye.target) * 1.35  # a panel of 3 to 4 shows less of the width than of the height
     assert away == pytest.approx(farther)
@@ -197,13 +198,13 @@ def test_the_camera_looks_from_where_the_eye_is(log):
 def test_everything_drawn_is_seen_from_the_first(log):
     """Each point of the path lies inside a cone of the half angle 22.5 deg, the narrower of the viewers' cameras."""
     scene = Scene("S", "lvlh", ("path", "thrust"))
-    eye = eye_of(scene, log)
+    eye = eye_of(scene, Shapes(log))
     points = log["/chaser/position"].values
     ahead = np.subtract(eye.target, eye.place) / np.linalg.norm(np.subtract(eye.target, eye.place))
     seen = points - eye.place
     angles = np.degrees(np.arccos(seen @ ahead / np.linalg.norm(seen, axis=1)))
     assert 5.0 < angles.max() < 22.5
-    near = eye_of(Scene("S", "lvlh", ("chaser",), ("chaser",), follow="chaser"), log)
+    near = eye_of(Scene("S", "lvlh", ("chaser",), ("chaser",), follow="chaser"), Shapes(log))
     assert near.target == (0.0, 0.0, 0.0)
     assert np.linalg.norm(near.place) < 8000.0  # following, it is the body that counts, about 2 km wide
 

@@ -14,10 +14,11 @@ import pytest
 from gainsay.errors import LogError
 from gainsay.logs import Bound, Layout, Line, LogWriter, Plot, Tab, commands
 from gainsay.logs.palette import rgb
-from gainsay.logs.quiet import call, rerun_binary
+from gainsay.logs.quiet import rerun_binary
 from gainsay.logs.render import NotCheckedError, empty, render
 from gainsay.logs.views import write_views
 from tests.gainsay.demo_log import LAYOUT, write_demo
+from tests.gainsay.rerun_command import call
 
 
 def test_pictures_of_what_cannot_be_opened_are_not_checked(demo, tmp_path, monkeypatch, capsys):

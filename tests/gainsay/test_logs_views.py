@@ -1,8 +1,9 @@
-"""The files for viewers, made by the real Rerun command, and the commands around them."""
+"""The files for viewers, read back by Rerun's own command, and the commands around them."""
 
 import json
 import os
 import re
+import resource
 import subprocess
 import sys
 import time
@@ -12,10 +13,11 @@ import pytest
 
 from gainsay.errors import InputError, LogError
 from gainsay.logs import LogWriter, commands, read_log
-from gainsay.logs.quiet import call, quiet
+from gainsay.logs.quiet import quiet
 from gainsay.logs.topics import Topics
 from gainsay.logs.views import write_views
 from tests.gainsay.demo_log import LAYOUT, write_demo
+from tests.gainsay.rerun_command import call
 
 
 def test_usage_statistics_are_off_in_every_call():
@@ -64,10 +66,18 @@ def test_a_name_that_viewers_would_lose_is_refused(tmp_path):
         write_views(tmp_path / "run-1.mcap", LAYOUT)
 
 
-def test_a_failing_call_says_so_in_one_line():
-    with pytest.raises(LogError, match="rerun rrd verify failed") as caught:
-        call("rrd", "verify", "nothing.rrd")
-    assert "\n" not in str(caught.value)
+def test_a_full_disk_leaves_no_half_of_a_view(tmp_path):
+    log = write_demo(tmp_path / "spiral.mcap", samples=101)
+    sizes = {path.suffix: path.stat().st_size for path in write_views(log, LAYOUT)}
+    (tmp_path / "spiral.rrd").unlink()
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (sizes[".rrd"] - 1000, before[1]))
+    try:
+        with pytest.raises(OSError, match="too large"):
+            write_views(log, LAYOUT)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert {path.name for path in tmp_path.iterdir()} == {"spiral.mcap", "spiral.foxglove.json"}
 
 
 def test_conformance_of_every_kind_of_topic(demo):

@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 
 from gainsay.logs.layout import Layout, Text
-from gainsay.logs.reader import Log
+from gainsay.logs.shapes import Shape, Shapes
 
 TIMELINE = "message_log_time"
 _CUBE_FACES = [(axis, sign) for axis in range(3) for sign in (-1.0, 1.0)]
@@ -20,24 +20,24 @@ def text_path(title: str) -> str:
     return "/text/" + "".join(letter if letter.isalnum() else "_" for letter in title.lower())
 
 
-def draw(layout: Layout, log: Log, stream: rr.RecordingStream) -> None:
+def draw(layout: Layout, shapes: Shapes, stream: rr.RecordingStream) -> None:
     """Log every scene element and every text page of a run to a Rerun stream.
 
     An element that never changes is drawn at all times.
     """
-    for topic in log.topics:
-        if log.kind(topic) != "scene":
+    for topic in shapes.log.topics:
+        if shapes.log.kind(topic) != "scene":
             continue
-        messages = log.messages(topic)
-        static = len(messages) == 1 and messages[0][0] == 0.0
+        static = len(shapes[topic]) == 1 and shapes[topic][0][0] == 0.0
         solids: dict[str, bytes] = {}
         plates, arrows = _Plates(stream, topic), _Arrows(stream, topic)
-        for time, message in messages:
+        for time, drawn in shapes[topic]:
             moment = np.timedelta64(round(time * 1e9), "ns")
             if not static:
                 stream.set_time(TIMELINE, duration=moment)
-            for entity in message.entities:
-                _entity(stream, topic, entity, static, solids, plates, moment)
+            for shape in drawn:
+                entity = shape.entity
+                _draw_shape(stream, topic, shape, static, solids, plates, moment)
                 if entity.arrows or not (entity.lines or entity.cubes or entity.spheres or entity.triangles):
                     arrows.add(entity, moment)
         plates.send()
@@ -106,16 +106,17 @@ class _Arrows:
         self._stream.send_columns(self._path, indexes=times, columns=[*frames, *parts])
 
 
-def _entity(
+def _draw_shape(
     stream: rr.RecordingStream,
     topic: str,
-    entity: Any,
+    shape: Shape,
     static: bool,
     solids: dict[str, bytes],
     plates: _Plates,
     moment: np.timedelta64,
 ) -> None:
-    """Draw an entity; a solid that is as it was at the time before, in its own frame, stands as it is."""
+    """Draw a shape; a solid that is as it was at the time before, in its own frame, stands as it is."""
+    entity = shape.entity
 
     def new(part: str, solid: Any) -> bool:
         before, solids[part] = solids.get(part), solid.SerializeToString()
@@ -124,18 +125,15 @@ def _entity(
     def put(part: str, drawing: rr.AsComponents) -> None:
         stream.log(f"{topic}/{part}", rr.CoordinateFrame(entity.frame_id), drawing, static=static)
 
-    for number, line in enumerate(entity.lines):
+    for number, (line, points) in enumerate(zip(entity.lines, shape.lines, strict=True)):
         width = rr.Radius.ui_points(0.5 * line.thickness) if line.scale_invariant else 0.5 * line.thickness
-        points = [[point.x, point.y, point.z] for point in line.points]
         put(f"line{number}", rr.LineStrips3D([points], radii=width, colors=[_colour(line.color)]))
     for number, cube in enumerate(entity.cubes):
         if new(f"cube{number}", cube):
             put(f"cube{number}", _cube(cube))
-    for number, mesh in enumerate(entity.triangles):
-        if new(f"plate{number}", mesh):
-            corners = np.array([[point.x, point.y, point.z] for point in mesh.points])
-            if not plates.bends(f"plate{number}", entity.frame_id, mesh, corners, moment):
-                put(f"plate{number}", _mesh(corners, mesh.color))
+    for number, (mesh, corners) in enumerate(zip(entity.triangles, shape.triangles, strict=True)):
+        if new(f"plate{number}", mesh) and not plates.bends(f"plate{number}", entity.frame_id, mesh, corners, moment):
+            put(f"plate{number}", _mesh(corners, mesh.color))
     if entity.spheres:
         balls = rr.Points3D(
             [_triple(ball.pose.position) for ball in entity.spheres],

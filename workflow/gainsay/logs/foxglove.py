@@ -23,6 +23,7 @@ from gainsay.logs.layout import (
 )
 from gainsay.logs.palette import in_plots, on_both, role
 from gainsay.logs.reader import Log
+from gainsay.logs.shapes import Shapes
 
 #: how much farther away the camera stands than in Rerun: its field of view is that of the height, and panels are narrow
 _NARROW = 1.35
@@ -39,7 +40,7 @@ def foxglove_layout(layout: Layout, log: Log, eyes: Mapping[Scene, Eye] | None =
     eyes : mapping of Scene to Eye, optional
         The cameras, where they are known from `eyes_of`.
     """
-    eyes = eyes_of(layout, log) if eyes is None else eyes
+    eyes = eyes_of(layout, Shapes(log)) if eyes is None else eyes
     return json.dumps(_Builder(log, eyes).build(layout), indent=1, sort_keys=True) + "\n"
 
 

@@ -1,9 +1,8 @@
-"""Calls to the Rerun command and viewer without usage statistics, and their end."""
+"""Rerun without usage statistics, and where its viewer is."""
 
 import json
 import os
 import shutil
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -63,24 +62,3 @@ def rerun_binary() -> str:
     if command is None:
         raise LogError("the Rerun viewer is not installed", expected=missing_extra("rerun"))
     return command
-
-
-def call(*arguments: str, timeout: float = 120.0) -> str:
-    """Run the Rerun command to its end and return what it printed.
-
-    Raises
-    ------
-    LogError
-        It failed or took too long; names its last line.
-    """
-    with quiet() as environment:
-        try:
-            done = subprocess.run(
-                [rerun_binary(), *arguments], env=environment, capture_output=True, text=True, timeout=timeout
-            )
-        except subprocess.TimeoutExpired:
-            raise LogError(f"rerun {arguments[0]} took more than {timeout:g} s") from None
-    if done.returncode != 0:
-        last = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
-        raise LogError(f"rerun {' '.join(arguments[:2])} failed", value=last)
-    return done.stdout
