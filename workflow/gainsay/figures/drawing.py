@@ -10,6 +10,7 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
@@ -241,15 +242,26 @@ def save(spec: FigureSpec, logs: Mapping[str, Log], case: Case, folder: Path) ->
     folder.mkdir(parents=True, exist_ok=True)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(width_of(case), spec.height), layout="constrained")
-        FigureCanvasAgg(figure)
         spec.draw(figure, logs, case)
         for axis in (axis for panel in figure.axes for axis in (panel.xaxis, panel.yaxis)):
             if type(axis.get_major_formatter()) is ScalarFormatter:
                 axis.set_major_formatter(_PlainTicks())
+        _lay_out(figure)
         source = ", ".join(f"logs/{run}.mcap" for run in spec.runs) or "quantities.csv"
-        about = {"svg": {"Date": None, "Creator": None, "Source": source}, "png": {"Software": None}}
-        for ending, metadata in about.items():
-            temporary = folder / f".{spec.name}.{ending}"
-            figure.savefig(temporary, format=ending, dpi=RESOLUTION, metadata=metadata)
-            figure.set_layout_engine("none")  # what was laid out for the first file stands in the second
-            temporary.replace(folder / f"{spec.name}.{ending}")
+        svg, png = (folder / f".{spec.name}.{ending}" for ending in ("svg", "png"))
+        figure.dpi = RESOLUTION
+        FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Creator": None, "Source": source})
+        figure.dpi = RESOLUTION  # an SVG is drawn in points
+        FigureCanvasAgg(figure).print_png(png, metadata={"Software": None})
+        for temporary in (svg, png):
+            temporary.replace(folder / temporary.name.removeprefix("."))
+
+
+def _lay_out(figure: Figure) -> None:
+    """Lay a figure out once for all of its files, in points; `savefig` would draw it for that before each file."""
+    FigureCanvasSVG(figure)  # whose widths of text count
+    figure.dpi = FigureCanvasSVG.fixed_dpi
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+    figure.set_layout_engine("none")
