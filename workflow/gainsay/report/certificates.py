@@ -13,7 +13,7 @@ from gainsay.errors import GainsayError
 from gainsay.exact.rational import doubles_around
 from gainsay.proof import kinds
 from gainsay.report.numbers import number, span
-from gainsay.report.sentences import LONGEST_FORMULA, formula, name, said
+from gainsay.report.sentences import LONGEST_FORMULA, name, said
 from gainsay.tables import Case
 from gainsay.tables.files import read_text
 
@@ -74,8 +74,8 @@ class CertificateFile:
     concludes : tuple of Conclusion
     symbols : frozenset of str
         Letters that stand for something in its formulas, and so in its sentence.
-    formulas : tuple of (Markup, Markup)
-        Name of a part of the statement, and the part typeset; as many as a page shows.
+    formulas : tuple of (Markup, str)
+        Name of a part of the statement, and its formula; as many as a page shows, which typesets them.
     unshown : int
         How many more there are.
     definitions : tuple of (str, str)
@@ -96,7 +96,7 @@ class CertificateFile:
     theorem: str = ""
     concludes: tuple[Conclusion, ...] = ()
     symbols: frozenset[str] = frozenset()
-    formulas: tuple[tuple[Markup, Markup], ...] = ()
+    formulas: tuple[tuple[Markup, str], ...] = ()
     unshown: int = 0
     definitions: tuple[tuple[str, str], ...] = field(default=(), repr=False)
     unknowns: tuple[tuple[Markup, str], ...] = ()
@@ -198,7 +198,7 @@ def read_certificate(case: Case, row: Mapping[str, str]) -> CertificateFile:
             theorem=kinds.load(content["kind"]).THEOREM,
             concludes=tuple(_concluded(case, conclusion) for conclusion in content["conclusions"]),
             symbols=frozenset(content["unknowns"]) | {defined for defined, _ in content["definitions"]},
-            formulas=tuple((_label(label, content["unknowns"]), formula(text)) for label, text in parts[:shown]),
+            formulas=tuple((_label(label, content["unknowns"]), text) for label, text in parts[:shown]),
             unshown=len(parts) - shown,
             definitions=tuple((defined, text) for defined, text in content["definitions"]),
             unknowns=tuple((name(unknown), _shape(**shape)) for unknown, shape in content["unknowns"].items()),

@@ -199,6 +199,7 @@ def _environment() -> jinja2.Environment:
         decimal=_decimal,
         breakable=_breakable,
         said=said,
+        formula=formula,
         plain=plain_text,
         url=quote,
         symbol=_symbol,
