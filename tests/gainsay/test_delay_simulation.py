@@ -168,6 +168,22 @@ def test_gauss_weights_are_those_of_quadrature():
         assert rule.weights @ rule.nodes**power == pytest.approx(1 / (power + 1), abs=1e-15)
 
 
+@pytest.mark.parametrize("second", [1e-12, 1e-6, 1.0, 1e9])
+def test_breakpoints_do_not_depend_on_the_unit_of_time(second):
+    # closed forms by steps: x' = -x(t - 1) from 1 is -1/6 at 3; a pulse from 0.4 to 0.9 leaves 0.5 - 0.175 of it at 2
+    law = DelayLaw(lambda t: np.full_like(t, second), second, 0.0)
+    parts = ([[0.0]], [[-1 / second]], [[1.0]], law)
+    free = simulate_delay(*parts, [1.0], 3 * second, step=0.31 * second, stages=2)
+    assert free(3 * second)[0, 0] == pytest.approx(-1 / 6, abs=1e-14)
+
+    def pulse(t):
+        return ((t > 0.4 * second) & (t < 0.9 * second))[:, None] / second
+
+    jumps = (0.4 * second, 0.9 * second)
+    pushed = simulate_delay(*parts, [0.0], 2 * second, forcing=pulse, jumps=jumps, step=0.31 * second, stages=2)
+    assert pushed(2 * second)[0, 0] == pytest.approx(0.325, abs=1e-14)
+
+
 @pytest.mark.slow
 def test_an_independent_integrator_agrees():
     jitcdde = pytest.importorskip("jitcdde")

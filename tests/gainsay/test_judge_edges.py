@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from gainsay.errors import InputError
-from gainsay.proof import build
+from gainsay.proof import build, check
 from gainsay.results import Results
 from gainsay.results.listing import LISTING_COLUMNS
 from gainsay.scans import Plausible, corners, plausible, scan
@@ -133,6 +133,24 @@ def test_each_relation_of_a_conclusion_bounds_its_own_side(fields, relation, pro
     results.close()
     [(low, high)] = [(c.low, c.high) for c in read_evidence(case).concluded["audit.length"] if c.relation == relation]
     assert (low, high) == tuple(Fraction(fields[name]) if name in fields else None for name in ("low", "high"))
+
+
+@pytest.mark.parametrize(
+    ("formula", "covered"),
+    [("3 + 0*plausible('guess')", True), ("3 + ends('guess')[0, 0]", False),
+     ("3 + plausible('guess') - ends('guess')[0, 1]", False)],
+)  # fmt: skip
+def test_an_end_of_a_plausible_range_does_not_pass_for_all_of_it(formula, covered, project):
+    """What one end shows says nothing of the values between: it is put on faith, and refutes no sentence with `can`."""
+    case = project.case()
+    results = Results(case, "audit")
+    made = build.certificate("enclosed", id="one", statement="S.", tables=case, fields={"formula": formula},
+                             quantities={"value": "audit.length"})  # fmt: skip
+    results.certificate(made)
+    results.close()
+    (concluded,) = read_evidence(case).concluded["audit.length"]
+    assert concluded.over == ({"guess"} if covered else set())
+    assert any("every plausible value of 'guess'" in text for text in check(made, case).faith) is not covered
 
 
 def test_what_a_computation_read_of_what_is_left_out_is_on_record(project):

@@ -76,3 +76,22 @@ def test_bad_starts_are_refused():
         Response(np.eye(3), np.ones(2), 1.0, 10)
     with pytest.raises(InputError, match="positive end"):
         Response(np.eye(3), np.ones(3), 0.0, 10)
+
+
+@pytest.mark.parametrize("steps", [7, 20, 100])
+@pytest.mark.parametrize("offset", [-5.0, -1.0, 5.0])
+def test_the_largest_value_lies_between_samples_where_it_is_negative_too(offset, steps):
+    # closed form: offset + cos(t - 0.3) and its negative
+    A, start = with_harmonics(np.zeros((1, 1)), np.zeros(1), [1.0], 1.0)
+    response = Response(A, np.concatenate([[0.0], start]), 20.0, steps)
+    output = np.array([0.0, np.sin(0.3), np.cos(0.3), offset])
+    assert response.largest(output).value == pytest.approx(offset + 1, abs=1e-12)
+    assert -response.largest(-output).value == pytest.approx(offset - 1, abs=1e-12)
+
+
+@pytest.mark.parametrize("second", [1e-12, 1e-6, 1.0, 1e9])
+def test_crossings_do_not_depend_on_the_unit_of_time(second):
+    # closed form: exp(-t) passes a half at ln 2
+    response, x = Response(np.array([[-1 / second]]), np.array([1.0]), 3 * second, 7), np.array([1.0])
+    for time in (response.last_above(x, 0.5), response.first_crossing(x, 0.5)):
+        assert time / second == pytest.approx(np.log(2), abs=1e-9)

@@ -157,3 +157,16 @@ def test_the_largest_value_of_a_constant_output_is_that_constant():
     found = integrate(oscillator, np.array([0.0, 1.0]), 100.0)
     assert largest(found, lambda t, x: np.full(len(t), 3.0))[1] == 3.0
     assert largest(found, lambda t, x: np.minimum(x[:, 0], 0.5))[1] == 0.5
+
+
+@pytest.mark.parametrize("second", [1e-12, 1e-9, 1e-6, 1.0, 1e6, 1e8, 1e10])
+def test_kinks_peaks_and_crossings_do_not_depend_on_the_unit_of_time(second):
+    # closed form: a spring four times as stiff on one side swings with the period 3/2 pi, to 1 and to -1/2
+    def spring(t, x):
+        return np.array([x[1], -x[0] if x[0] > 0 else -4 * x[0]]) / second
+
+    end = 4 * 1.5 * np.pi * second
+    found = integrate(spring, np.array([1.0, 0.0]), end, kinks=(lambda t, x: x[0],))
+    np.testing.assert_allclose(found(end), [1.0, 0.0], atol=1e-10)
+    assert largest(found, lambda t, x: -x[:, 0])[1] == pytest.approx(0.5, abs=1e-10)
+    assert last_crossing(found, lambda t, x: 5.0 - t / second) / second == pytest.approx(5.0, abs=1e-10)

@@ -98,3 +98,29 @@ def test_bad_input():
         with_oscillators(BASE, np.zeros((4, 3)), 1.0)
     with pytest.raises(InputError):
         PeriodicSolution(varying, 1.0, np.ones(5), 1).state(2.0)
+
+
+@pytest.mark.parametrize("seed", [140, 147, 151, 191])
+@pytest.mark.parametrize("offset", [0.0, -2.0, 7.0])
+def test_the_largest_of_two_tones_wherever_their_zero_lies(seed, offset):
+    # oracle: the closed form on a fine grid; with 147 and 191 the peak lies before the first node or after the last
+    rates, first = np.array([1.0, np.sqrt(2)]), np.random.default_rng(seed).uniform(0, 2 * np.pi, 2)
+    A = np.kron(np.diag(rates), [[0, -1], [1, 0]])
+    start = np.column_stack([np.cos(first), np.sin(first)]).ravel()
+    found = PeriodicSolution(lambda t: A, 2 * np.pi, start, 3, steps=20)
+    t = np.linspace(0, 6 * np.pi, 100_001)
+    highest = np.cos(t[:, None] * rates + first).sum(axis=1).max()
+    peak = found.largest(lambda t, x: x[..., 0] + x[..., 2] - highest + offset)
+    assert peak.value == pytest.approx(offset, abs=1e-7)
+
+
+@pytest.mark.parametrize("second", [1e-12, 1e-6, 1.0, 1e9])
+def test_a_peak_does_not_depend_on_the_unit_of_time(second):
+    # closed form: cos(t - 0.1) reaches 1
+    A = np.array([[0, -1], [1, 0]]) / second
+    found = PeriodicSolution(lambda t: A, 2 * np.pi * second, np.array([1.0, 0.0]), 2, steps=20)
+    assert found.largest(lambda t, x: x[..., 0] * np.cos(0.1) + x[..., 1] * np.sin(0.1)).value == pytest.approx(
+        1, abs=1e-12
+    )
+    late = found.largest(lambda t, x: x[..., 1], after=np.pi * second)  # sin(t)
+    assert late.time / second == pytest.approx(2.5 * np.pi, abs=1e-6)

@@ -82,10 +82,19 @@ def test_the_same_is_proved_of_every_loop_and_start():
         ({"step": "0.0001"}, "within the cells"),
         ({"outputs": []}, "a list of of"),
         ({"outputs": [{"of": "y"}]}, "a list of of"),
+        ({"outputs": [{"of": 1, "row": "1", "from": "0", "bound": "9"}]}, "a list of of"),
     ],
 )
 def test_what_does_not_fit_is_refused(changed, said):
     assert said in refused("delay_peak", {**LAG, **seen("0.62", "1"), **changed})
+
+
+def test_two_outputs_have_two_names():
+    # of x a bound of 0.4 is false, of x/2 it is true: under one name a conclusion would not say which is meant
+    half = {"of": "half", "row": "1/2", "from": "1", "bound": "0.4"}
+    outputs = [*seen("0.62", "1")["outputs"], half]
+    assert ("half", "inside", "-0.4..0.4") in proved(make("delay_peak", {**LAG, "outputs": outputs}))
+    assert "different name" in refused("delay_peak", {**LAG, "outputs": [outputs[0], {**half, "of": "y"}]})
 
 
 def test_a_disturbance_comes_with_its_size():

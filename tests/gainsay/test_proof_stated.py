@@ -3,7 +3,7 @@
 import pytest
 
 from gainsay.errors import CertificateError
-from gainsay.proof import Certificate, Conclusion, formulas_digest
+from gainsay.proof import Certificate, Conclusion, by_ends, formulas_digest
 from gainsay.proof import kinds as kinds_package
 
 LYAPUNOV = Certificate(
@@ -95,3 +95,24 @@ def test_a_kind_that_does_not_exist_is_refused():
 def test_levels_and_found_fields_are_fields_of_the_kind(name):
     kind = kinds_package.load(name)
     assert {f.partition(".")[0] for f in (*kind.LEVELS, *kind.FOUND)} <= {*kind.REQUIRED, *kind.OPTIONAL}
+
+
+BOX = {"matrix": "A*m", "alpha": "0", "ranges": [["m", "ends('m')[0, 0]", "ends('m')[0,1]"]]}
+
+
+@pytest.mark.parametrize(
+    ("parts", "ends"),
+    [
+        ({"fields": BOX}, set()),
+        ({"fields": {**BOX, "ranges": [["m", "ends('m')[0, 0]", "ends('m')[0, 0]"]]}}, {"m"}),
+        ({"fields": {**BOX, "ranges": [["m", "ends('m')[0, 0]", "ends('k')[0, 1]"]]}}, {"m", "k"}),
+        ({"fields": {**BOX, "ranges": [["m", "1/ends('m')[0, 1]", "1/ends('m')[0, 0]"]]}}, {"m"}),
+        ({"fields": {**BOX, "alpha": "ends('k')[0, 1]"}}, {"k"}),
+        ({"definitions": (("x0", "col(1, ends('m'))"),)}, {"m"}),
+        ({"definitions": (("x0", "plausible('m')"),)}, set()),
+        ({"kind": "level", "fields": {"parts": [{"name": "a", "kind": "lyapunov", "fields": BOX}]}}, set()),
+        ({"kind": "level", "fields": {"parts": [{"fields": {"x0": "ends( 'm' )[0, 0]"}}]}}, {"m"}),
+    ],
+)
+def test_ranges_of_which_an_end_alone_is_read(parts, ends):
+    assert by_ends(LYAPUNOV.changed(**parts)) == ends

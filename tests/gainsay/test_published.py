@@ -12,6 +12,7 @@ from gainsay.steps.verdicts import verdicts
 from gainsay.tables.reading import PrintedMatrix
 from gainsay.verdicts.published import (
     PUBLISHED_COLUMNS,
+    pole_verdict,
     published_rows,
     record_line,
     record_sentence,
@@ -67,6 +68,20 @@ def test_a_printed_gain_that_no_program_gives_again_is_uncheckable(project):
     assert [row["entry"] for row in gains] == ["K(1,1)", "K(1,2)", "K(2,1)", "K(2,2)"]
     assert [row["published"] for row in gains] == [e.text for row in case.printed("K").rows for e in row]
     assert {(row["verdict"], row["recomputed"], row["identified"]) for row in gains} == {("uncheckable", "", "")}
+
+
+@pytest.mark.parametrize(
+    ("value", "radius", "expected"),
+    [
+        (-0.47, 1e-3, "contradicted"),
+        (-0.49, 6e-3, "reproduced"),
+        (-0.47, 0.6, "undecided"),  # -0.5 is within reach, and so is 0.1
+        (-0.47, 4e16, "undecided"),  # the radius of a triple pole, by eigenvectors that are one
+        (0.0, 1e-12, "contradicted"),
+    ],
+)
+def test_a_pole_known_to_no_digit_is_not_reproduced(value, radius, expected):
+    assert pole_verdict(value, radius, (-0.505, -0.495)) == expected
 
 
 def test_poles_are_judged_with_the_rounding_of_the_gains(rows):

@@ -1,7 +1,7 @@
 """Certificates and their independent checker: python-flint is all it imports, and only when something is checked.
 
-Public names: `Certificate`, `Conclusion`, `Proof`, `check`, `check_file`, `formulas_digest`, and the builders of
-`gainsay.proof.build`.
+Public names: `Certificate`, `Conclusion`, `Proof`, `by_ends`, `check`, `check_file`, `formulas_digest`, and the
+builders of `gainsay.proof.build`.
 """
 
 from importlib import import_module
@@ -12,6 +12,7 @@ _HOMES = {
     "Conclusion": "certificate",
     "MappingTables": "scope",
     "Proof": "checker",
+    "by_ends": "stated",
     "check": "checker",
     "check_file": "checker",
     "formulas_digest": "stated",

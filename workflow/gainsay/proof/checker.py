@@ -18,10 +18,15 @@ from gainsay.proof import kinds
 from gainsay.proof.certificate import LARGEST_FILE, ON_FAITH, Certificate, Conclusion
 from gainsay.proof.kinds import Proved
 from gainsay.proof.scope import CaseTables, Scope, adapted
+from gainsay.proof.stated import by_ends
 
 __all__ = ["CaseTables", "Proof", "check", "check_file", "prepare", "proved", "read_certificate"]
 
 
+#: what no check covers where a formula reads an end of a plausible range
+BETWEEN_ENDS = (
+    "That what it concludes for every plausible value of {0!r} follows from what its formulas read of the ends."
+)
 #: work that one check may take, in units of `gainsay.exact.budget`: four times what the largest of the papers' takes
 WORK = 5e9
 
@@ -230,7 +235,8 @@ def _check(
         if conclusion.quantity and hasattr(reader, "requirements"):
             _same_requirements(certificate, conclusion.quantity, reader.requirements(conclusion.quantity))
     kind = kinds.load(certificate.kind)
-    faith = tuple(dict.fromkeys((*ON_FAITH, *getattr(kind, "FAITH", ()), *certificate.faith)))
+    ends = tuple(BETWEEN_ENDS.format(name) for name in sorted(by_ends(certificate)))
+    faith = tuple(dict.fromkeys((*ON_FAITH, *getattr(kind, "FAITH", ()), *certificate.faith, *ends)))
     return Proof(
         id=owner,
         paper=certificate.paper,

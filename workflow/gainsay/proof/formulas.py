@@ -61,7 +61,7 @@ from gainsay.proof.syntax import (
     tree_of,
 )
 
-__all__ = ["Source", "check_name", "constraint", "evaluate", "names_in", "parameter_of"]
+__all__ = ["Source", "check_name", "constraint", "ends_in", "evaluate", "names_in", "parameter_of"]
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}", re.ASCII)
 _CONSTANTS = ("pi",)
@@ -146,6 +146,18 @@ def names_in(text: str) -> frozenset[str]:
 def _names(text: str) -> frozenset[str]:
     names = {node.id for node in ast.walk(tree_of(text)) if isinstance(node, ast.Name)}
     return frozenset(names - {*_FUNCTIONS, *_CONSTANTS})
+
+
+def ends_in(text: str) -> frozenset[str]:
+    """Plausible ranges of which a formula reads the ends."""
+    count_text(text)
+    calls = (node for node in ast.walk(tree_of(text)) if isinstance(node, ast.Call))
+    found = set()
+    for call in calls:
+        match call:
+            case ast.Call(func=ast.Name(id="ends"), args=[ast.Constant(value=str(name))]):
+                found.add(name)
+    return frozenset(found)
 
 
 def parameter_of(text: str, definitions: Mapping[str, str]) -> str | None:

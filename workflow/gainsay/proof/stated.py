@@ -9,15 +9,52 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from gainsay.proof import kinds
+from gainsay.errors import CertificateError
+from gainsay.proof import formulas, kinds
 from gainsay.proof.certificate import Certificate, plain
 
-__all__ = ["formulas_digest"]
+__all__ = ["by_ends", "formulas_digest"]
 
 _FOUND = "found"
+_WHOLE = re.compile(r"ends\('([^']*)'\)\[0,0\]ends\('\1'\)\[0,1\]", re.ASCII)
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?|[+-]?\d+/\d+", re.ASCII)
 # "Theorem 1" and "(14)" are names; a number with decimals in a sentence is a value, which conclusions carry exactly.
 _DECIMAL = re.compile(r"\d+\.\d+(e[+-]?\d+)?|\d+e[+-]?\d+", re.ASCII)
+
+
+def by_ends(certificate: Certificate) -> frozenset[str]:
+    """Plausible ranges that are read by their ends, and not as the range of an uncertain number of ``ranges``.
+
+    What holds at the ends need not hold between them: that it does is the argument of whoever wrote the certificate.
+
+    Examples
+    --------
+    >>> draft = Certificate("c", "p", "A sentence.", "enclosed", {"formula": "2 * ends('mass')[0, 1]"})
+    >>> sorted(by_ends(draft))
+    ['mass']
+    >>> box = [["m", "ends('mass')[0, 0]", "ends('mass')[0, 1]"]]
+    >>> sorted(by_ends(draft.changed(kind="lyapunov", fields={"matrix": "-m", "alpha": "0", "ranges": box})))
+    []
+    """
+    return frozenset().union(*map(_ends, (text for _, text in certificate.definitions)), _ends(certificate.fields))
+
+
+def _ends(value: Any) -> frozenset[str]:
+    if isinstance(value, str):
+        try:
+            return formulas.ends_in(value)
+        except CertificateError:  # a label
+            return frozenset()
+    if isinstance(value, Mapping):
+        parts = [_of_box(part) if key == "ranges" else _ends(part) for key, part in value.items()]
+        return frozenset().union(*parts)
+    return frozenset().union(*map(_ends, value)) if isinstance(value, list | tuple) else frozenset()
+
+
+def _of_box(entries: Any) -> frozenset[str]:
+    """What the ranges of uncertain numbers read by an end, but for those that are whole plausible ranges."""
+    rest = [entry for entry in entries if not _WHOLE.fullmatch("".join(map(str, entry[1:])).replace(" ", ""))]
+    return _ends(rest)
 
 
 def formulas_digest(certificate: Certificate) -> str:

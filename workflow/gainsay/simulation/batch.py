@@ -30,6 +30,8 @@ _EASY = 2.0 ** -(_RULE.stages + 1)
 #: shortest step, as a part of the whole
 _SHORTEST = 1e-12
 _TINY = 1e-300
+#: parts of a time to which peaks and crossings are located
+_PEAK, _CROSSING = 1e-9, 1e-12
 
 
 @dataclass(frozen=True)
@@ -214,6 +216,11 @@ class Stepper:
         return given.swapaxes(1, 2).reshape(s * q, m)
 
 
+def _least_size(segment: Segment) -> float:
+    """Size of a time near zero, s: a second, or the end of a segment that ends before."""
+    return min(1.0, float(segment.steps[-1]))
+
+
 def polished_peak(
     segment: Segment, flights: np.ndarray, low: np.ndarray, high: np.ndarray, output: Output
 ) -> np.ndarray:
@@ -245,7 +252,7 @@ def polished_peak(
         fresh = value(np.where(left, inner_next, outer_next))
         at_inner, at_outer = np.where(left, fresh, at_outer), np.where(left, at_inner, fresh)
         inner, outer = inner_next, outer_next
-        if np.all(high - low <= 1e-9 * np.maximum(high, 1.0)):
+        if np.all(high - low <= _PEAK * np.maximum(high, _least_size(segment))):
             break
     return np.maximum(best, np.maximum(at_inner, at_outer))
 
@@ -262,6 +269,6 @@ def polished_crossing(
         middle = 0.5 * (low + high)
         positive = output(segment.of(flights, middle), middle) >= 0
         low, high = np.where(positive, middle, low), np.where(positive, high, middle)
-        if np.all(high - low <= 1e-12 * np.maximum(high, 1.0)):
+        if np.all(high - low <= _CROSSING * np.maximum(high, _least_size(segment))):
             break
     return 0.5 * (low + high)

@@ -20,6 +20,8 @@ from gainsay.simulation.delay_steps import Collocation, Reading, Steps
 
 # intervals prepared at once; the first ones, between close breakpoints, see many rows
 _FIRST, _CHUNK = 64, 1024
+#: s, and the part of a delay or a run that is shorter than a second, below which two times of a mesh are one
+_TOGETHER = 1e-9
 
 
 @dataclass(frozen=True)
@@ -106,7 +108,8 @@ class DelayLaw:
         start : float
             s.
         count : int
-            How many at most; those closer than 1e-9 s to the one before are left out (the delay vanishes there).
+            How many at most; those closer to the one before than 1e-9 s, or that part of a `high` below 1 s, are left
+            out (the delay vanishes there).
         """
         points, before = [], start
         for _ in range(count):
@@ -119,7 +122,7 @@ class DelayLaw:
                     low = middle
                 else:
                     high = middle
-            if high - before < 1e-9:
+            if high - before <= _TOGETHER * min(1.0, self.high):
                 break
             points.append(high)
             before = high
@@ -244,8 +247,9 @@ def delay_mesh(
     if not all(start <= t <= end for t in origins):
         raise InputError("", field="jumps", value=origins[1:], expected=f"times within {start:g}..{end:g} s")
     points = [start, *(t for t in law.breakpoints(start, 2 * stages + 1) if t < end), end]
+    apart = _TOGETHER * min(1.0, end - start)
     for jump in origins[1:]:
-        carried = [t for t in law.breakpoints(jump, 2 * stages + 1) if all(abs(t - p) >= 1e-9 for p in points)]
+        carried = [t for t in law.breakpoints(jump, 2 * stages + 1) if all(abs(t - p) >= apart for p in points)]
         points = sorted({*points, jump, *(t for t in carried if t < end)})
     pieces, steps = [np.array([start])], []
     for a, b in pairwise(points):

@@ -17,6 +17,8 @@ from gainsay.exact.floats import real_array, real_number
 
 #: most evaluations at a turn; part of a step within which Newton's next one squares to rounding
 _ITERATIONS, _CLOSE = 60, 1e-7
+#: s, to which crossings are located, and the part of a response that is shorter than a second
+_LOCATED = 1e-10
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,11 @@ class Response:
         index = min(max(int(time / self.step), 0), self.steps)
         return scipy.linalg.expm(self.A * (time - self.time[index])) @ self.states[index]
 
+    @property
+    def _located(self) -> float:
+        """Distance to which crossings are located, s."""
+        return _LOCATED * min(1.0, self.end)
+
     def _row(self, output: np.ndarray) -> np.ndarray:
         output = real_array(output, "output")
         if output.shape != (len(self.A),):
@@ -129,7 +136,7 @@ class Response:
         worth = np.flatnonzero(most > max(float(sizes[best]), above))
         rows = np.array([output, slope_of, slope_of @ self.A])
         for k in worth[np.argsort(-most[worth])]:
-            if most[k] <= abs(largest.value):  # nor can those that follow
+            if most[k] <= size(largest.value):  # nor can those that follow
                 break
             after, value = self._turn(rows, int(turns[k]))
             if size(value) > size(largest.value):
@@ -175,7 +182,7 @@ class Response:
             return self.end
         return float(
             scipy.optimize.brentq(
-                lambda t: abs(float(output @ self.at(t))) - level, self.time[i], self.time[i + 1], xtol=1e-10
+                lambda t: abs(float(output @ self.at(t))) - level, self.time[i], self.time[i + 1], xtol=self._located
             )
         )
 
@@ -191,7 +198,7 @@ class Response:
         i = int(passed[0])
         return float(
             scipy.optimize.brentq(
-                lambda t: float(output @ self.at(t)) - level, self.time[i - 1], self.time[i], xtol=1e-10
+                lambda t: float(output @ self.at(t)) - level, self.time[i - 1], self.time[i], xtol=self._located
             )
         )
 

@@ -23,14 +23,17 @@ if TYPE_CHECKING:
     from scipy.integrate import OdeSolution
 
 Function = Callable[[float, np.ndarray], np.ndarray]
+#: s by which a kink is left behind, and the part of an integration that is shorter than a second
 _NUDGE = 1e-9
+#: s, to which peaks and crossings are located, likewise
+_PEAK, _CROSSING = 1e-10, 1e-12
 #: what SciPy says of a matrix that it cannot factor
 _NOT_FINITE = "infs or NaNs"
 _MAX_KINKS = 10_000
 #: so many kinks within this part of the whole are a solution that slides along one of them
 _SLIDING, _TOGETHER = 200, 1e-6
-#: most corrections of the time of a kink
-_MOST_MOVES = 4
+#: most corrections of the time of a kink, and the part of a step that is none
+_MOST_MOVES, _SETTLED = 4, 1e-9
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 #: evaluations of the right-hand side within which time must go on by more than this part of the whole
 _STILL, _SMALLEST = 20_000, 1e-9
@@ -164,14 +167,20 @@ def integrate(
         time, state = float(times[-1]), reached
         if leg.status == 1:
             # One tiny explicit step leaves the kink's zero behind; its error, about 1e-18 f', is below rounding.
-            state = state + _NUDGE * guarded(time, state)
-            time += _NUDGE
+            nudge = max(_part(_NUDGE, end), 8 * float(np.spacing(time)))
+            state = state + nudge * guarded(time, state)
+            time += nudge
         ends.append(min(time, end))
         if len(pieces) > _SLIDING and time - ends[-_SLIDING] < _TOGETHER * end:
             raise ComputationError("integration", f"the solution slides along a kink from t = {ends[-_SLIDING]!r} s")
         if len(pieces) > _MAX_KINKS:
             raise ComputationError("integration", f"more than {_MAX_KINKS} kinks before t = {time!r} s")
     return Trajectory(np.array(ends), tuple(pieces), np.concatenate(steps))
+
+
+def _part(length: float, end: float) -> float:
+    """A time, s, or as small a part of an integration that is shorter than a second."""
+    return length * min(1.0, end)
 
 
 def _up_to_kink(
@@ -193,7 +202,7 @@ def _up_to_kink(
         rate = (value - kink(stop - part, last.sol(stop - part))) / part
         move = -value / rate if rate else 0.0
         # A kink that is only touched, or a Newton's step out of the step: the place that was found stays.
-        if abs(move) <= _NUDGE * (stop - begin) or not begin < stop + move <= stop + (stop - begin):
+        if abs(move) <= _SETTLED * (stop - begin) or not begin < stop + move <= stop + (stop - begin):
             return last
         stop += move
     return last
@@ -307,7 +316,7 @@ def largest(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], n
     for index in map(int, np.flatnonzero(summits)):
         low, high = float(grid[max(index - 1, 0)]), float(grid[min(index + 1, len(grid) - 1)])
         polished = scipy.optimize.minimize_scalar(
-            negative, bounds=(low, high), method="bounded", options={"xatol": 1e-10}
+            negative, bounds=(low, high), method="bounded", options={"xatol": _part(_PEAK, grid[-1])}
         )
         if -polished.fun > value:
             time, value = float(polished.x), -float(polished.fun)
@@ -346,6 +355,9 @@ def last_crossing(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarr
     low, high = float(grid[positive[-1]]), float(grid[positive[-1] + 1])
     return float(
         scipy.optimize.brentq(
-            lambda t: float(output(np.array([t]), trajectory(np.array([t])))[0]), low, high, xtol=1e-12
+            lambda t: float(output(np.array([t]), trajectory(np.array([t])))[0]),
+            low,
+            high,
+            xtol=_part(_CROSSING, grid[-1]),
         )
     )

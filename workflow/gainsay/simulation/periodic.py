@@ -15,6 +15,8 @@ from gainsay.errors import ComputationError, InputError
 from gainsay.exact.floats import real_array, real_number, real_row
 
 _GAUSS = np.sqrt(3) / 6
+#: s, to which peaks are located, and the part of a solution that is shorter than a second
+_LOCATED = 1e-10
 
 
 def magnus_step(A: Callable, t: float, h: float) -> np.ndarray:
@@ -173,23 +175,26 @@ class PeriodicSolution:
 
         Notes
         -----
-        Every local maximum of the nodes that comes within 5 % of the largest is refined by Brent's method between its
-        neighbours; a peak narrower than two steps could be missed, so the steps must resolve the fastest motion.
+        Every local maximum of the nodes, ends included, that comes within 5 % of the largest (of its size, or of the
+        spread of the values where that is more) is refined by Brent's method between its neighbours; a peak narrower
+        than two steps could be missed, so the steps must resolve the fastest motion.
         """
-        keep = self.times >= real_number(after, "after") - 1e-12
+        keep = self.times >= real_number(after, "after") - 1e-9 * self.step
         if not keep.any():
             raise InputError(field="after", value=after, expected=f"0..{self.times[-1]}")
         t, values = self.times[keep], self._values(function, keep)
         best = int(np.argmax(values))
         top = Extreme(float(t[best]), float(values[best]), self.states[keep][best])
-        floor = values[best] - 0.05 * abs(values[best])
-        inner = (values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:]) & (values[1:-1] >= floor)
-        for i in np.flatnonzero(inner) + 1:
+        floor = values[best] - 0.05 * max(abs(values[best]), np.ptp(values))
+        padded = np.concatenate([[-np.inf], values, [-np.inf]])
+        before, behind = padded[:-2], padded[2:]
+        summits = (values >= before) & (values >= behind) & ((values > before) | (values > behind))  # no plateau
+        for i in map(int, np.flatnonzero(summits & (values >= floor))):
             maximum = scipy.optimize.minimize_scalar(
                 lambda s: -float(function(s, self.state(s))),
-                bounds=(t[i - 1], t[i + 1]),
+                bounds=(t[max(i - 1, 0)], t[min(i + 1, len(t) - 1)]),
                 method="bounded",
-                options={"xatol": 1e-10},
+                options={"xatol": _LOCATED * min(1.0, self.times[-1])},
             )
             if -maximum.fun > top.value:
                 top = Extreme(float(maximum.x), float(-maximum.fun), self.state(float(maximum.x)))

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from gainsay.errors import CertificateError
 from gainsay.exact.digits import double
-from gainsay.proof import check, read_certificate
+from gainsay.proof import by_ends, check, read_certificate
 from gainsay.results.returned import UNDECIDED, read_part
 from gainsay.scans.outcome import Outcome, outcomes, read_scans
 from gainsay.tables import Case
@@ -44,7 +44,7 @@ class Concluded:
     certificate, theorem : str
         Its id and what proves it.
     over : frozenset of str
-        What the paper leaves out and the proof covers over its plausible range.
+        What the paper leaves out and the proof covers over its plausible range, of which it reads more than the ends.
     """
 
     relation: str
@@ -145,7 +145,7 @@ def read_evidence(case: Case) -> Evidence:
         evidence.certificates[path.stem] = proof.statement
         entries = (certificate.data.get(sort, {}) for sort in ("number", "printed", "half_units"))
         evidence.read[path.stem] = {name for results in entries for name in results}
-        over = frozenset(certificate.data.get("plausible", {}))
+        over = frozenset(certificate.data.get("plausible", {})) - by_ends(certificate)
         for conclusion in proof.conclusions:
             low, high = _ends(conclusion.relation, conclusion.value)
             evidence.concluded.setdefault(conclusion.quantity, []).append(

@@ -282,9 +282,16 @@ def _outputs(scope: Scope, frame: Frame) -> list[Output]:
     if (
         not isinstance(raw, list)
         or not raw
-        or any(not isinstance(one, dict) or set(one) != {"of", "row", "from", "bound"} for one in raw)
+        or any(
+            not isinstance(one, dict)
+            or set(one) != {"of", "row", "from", "bound"}
+            or any(not isinstance(text, str) for text in one.values())
+            for one in raw
+        )
     ):
         raise scope.fail("field 'outputs': expected a list of of, row, from and bound")
+    if len({one["of"] for one in raw}) < len(raw):
+        raise scope.fail("field 'outputs': expected a different name for each output")
     outputs = [
         Output(one["of"], scope.evaluate(one["row"]), scope.number(one["from"]), scope.number(one["bound"]))
         for one in raw
