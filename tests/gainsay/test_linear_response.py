@@ -95,3 +95,15 @@ def test_crossings_do_not_depend_on_the_unit_of_time(second):
     response, x = Response(np.array([[-1 / second]]), np.array([1.0]), 3 * second, 7), np.array([1.0])
     for time in (response.last_above(x, 0.5), response.first_crossing(x, 0.5)):
         assert time / second == pytest.approx(np.log(2), abs=1e-9)
+
+
+@pytest.mark.parametrize("steps", [5, 9, 17, 1000])
+def test_a_level_that_is_passed_between_samples_alone_is_seen(steps):
+    # closed form: cos t + 2 is above 2.999 within acos(0.999) of every turn, and 2 - cos t falls below 1.001 likewise
+    A, start = with_harmonics(np.zeros((1, 1)), np.zeros(1), [1.0], 1.0)
+    response = Response(A, np.concatenate([[0.0], start]), 15.0, steps)
+    late, near = np.array([0.0, np.sin(1.0), np.cos(1.0), 2.0]), np.arccos(0.999)  # 2 + cos(t - 1)
+    assert response.last_above(late, 2.999) == pytest.approx(1 + 4 * np.pi + near, abs=1e-7)
+    assert response.first_crossing(late, 2.999) == pytest.approx(1 - near, abs=1e-7)
+    assert response.first_crossing(late, 1.001) == pytest.approx(1 + np.pi - near, abs=1e-7)
+    assert response.last_above(late, 3.001) == 0.0 and response.first_crossing(late, 3.001) == 15.0

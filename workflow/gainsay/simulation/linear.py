@@ -4,7 +4,7 @@ Constant and sinusoidal inputs are states of the system (`with_harmonics`), so t
 integrator is needed: a state is a matrix exponential times the start.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -172,19 +172,17 @@ class Response:
 
     def last_above(self, output: np.ndarray, level: float) -> float:
         """Time after which |c x| stays below a level up to the end; the end itself where it never settles."""
-        output = self._row(output)
-        values = np.abs(self.states @ output)
-        above = np.flatnonzero(values >= real_number(level, "level"))
-        if len(above) == 0:
-            return 0.0
-        i = int(above[-1])
-        if i == len(values) - 1:
+        output, level = self._row(output), real_number(level, "level")
+        above = np.flatnonzero(np.abs(self.states @ output) >= level)
+        last = int(above[-1]) if len(above) else -1
+        if last == self.steps:
             return self.end
-        return float(
-            scipy.optimize.brentq(
-                lambda t: abs(float(output @ self.at(t))) - level, self.time[i], self.time[i + 1], xtol=self._located
-            )
-        )
+        ends = (self.time[last], self.time[last + 1]) if len(above) else None
+        later = range(self.steps - 1, max(last, 0) - 1, -1)
+        for k, turn in self._passes(output, np.abs, level, later):
+            ends = turn, self.time[k + 1]
+            break
+        return 0.0 if ends is None else self._root(lambda x: abs(float(output @ x)) - level, *ends)
 
     def first_crossing(self, output: np.ndarray, level: float) -> float:
         """Time at which c x first passes a level, such as a rise time; the end itself where it never does."""
@@ -192,15 +190,34 @@ class Response:
         values = self.states @ output - level
         if values[0] == 0:
             return 0.0
-        passed = np.flatnonzero(values * np.sign(values[0]) <= 0)
-        if len(passed) == 0:
-            return self.end
-        i = int(passed[0])
-        return float(
-            scipy.optimize.brentq(
-                lambda t: float(output @ self.at(t)) - level, self.time[i - 1], self.time[i], xtol=self._located
-            )
-        )
+        side = -np.sign(values[0])
+        passed = np.flatnonzero(side * values >= 0)
+        first = int(passed[0]) if len(passed) else self.steps + 1
+        ends = (self.time[first - 1], self.time[first]) if len(passed) else None
+        for k, turn in self._passes(output, lambda value: side * value, side * level, range(min(first, self.steps))):
+            ends = self.time[k], turn
+            break
+        return self.end if ends is None else self._root(lambda x: float(output @ x) - level, *ends)
+
+    def _passes(
+        self, output: np.ndarray, size: Callable[[Any], Any], level: float, steps: Sequence[int]
+    ) -> Iterator[tuple[int, float]]:
+        """Yield those of some steps within which an output turns at a size from a level on, and when it turns."""
+        rows = np.array([output, output @ self.A, output @ self.A @ self.A])
+        values, slopes = self.states @ rows[0], self.states @ rows[1]
+        reach = np.maximum(size(values[:-1]), size(values[1:]))
+        reach = reach + self.step * np.maximum(np.abs(slopes[:-1]), np.abs(slopes[1:]))
+        may = (slopes[:-1] * slopes[1:] < 0) & (reach >= level)
+        for k in (k for k in steps if may[k]):
+            after, value = self._turn(rows, k)
+            if size(value) >= level:
+                yield k, float(self.time[k] + after)
+
+    def _root(self, function: Callable[[np.ndarray], float], low: float, high: float) -> float:
+        """Time at which a function of the state is zero between two; the first where it is barely touched there."""
+        if function(self.at(low)) * function(self.at(high)) > 0:
+            return float(low)
+        return float(scipy.optimize.brentq(lambda t: function(self.at(t)), low, high, xtol=self._located))
 
 
 def _turn_of_quintic(rise: float, first: float, last: float, bend: float, other: float) -> float:
