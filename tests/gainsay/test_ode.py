@@ -170,3 +170,11 @@ def test_kinks_peaks_and_crossings_do_not_depend_on_the_unit_of_time(second):
     np.testing.assert_allclose(found(end), [1.0, 0.0], atol=1e-10)
     assert largest(found, lambda t, x: -x[:, 0])[1] == pytest.approx(0.5, abs=1e-10)
     assert last_crossing(found, lambda t, x: 5.0 - t / second) / second == pytest.approx(5.0, abs=1e-10)
+
+
+def test_a_crossing_between_two_samples_alone_is_the_last():
+    # closed form: cos t is above 0.999999 within acos(0.999999) of its last turn, which no sample hits
+    found = integrate(oscillator, np.array([1.0, 0.0]), 15.0, rtol=1e-6, atol=1e-9)
+    assert not (np.cos(found.fine[0][found.fine[0] > 1]) > 0.999999).any()
+    late = last_crossing(found, lambda t, x: np.cos(t) - 0.999999)
+    assert late == pytest.approx(4 * np.pi + np.arccos(0.999999), abs=1e-9)

@@ -124,3 +124,12 @@ def test_a_peak_does_not_depend_on_the_unit_of_time(second):
     )
     late = found.largest(lambda t, x: x[..., 1], after=np.pi * second)  # sin(t)
     assert late.time / second == pytest.approx(2.5 * np.pi, abs=1e-6)
+
+
+@pytest.mark.parametrize("steps", [8, 11, 40])
+def test_a_level_that_is_passed_between_nodes_alone_is_left_last_there(steps):
+    # closed form: cos(t - 1) is above 0.9999 within acos(0.9999) of every turn
+    found = PeriodicSolution(lambda t: np.array([[0, -1.0], [1, 0]]), 2 * np.pi, np.array([1.0, 0]), 2, steps=steps)
+    late = found.last_exit(lambda t, x: x[..., 0] * np.cos(1) + x[..., 1] * np.sin(1), 0.9999)
+    assert late == pytest.approx(1 + 2 * np.pi + np.arccos(0.9999), abs=1e-7)
+    assert found.last_exit(lambda t, x: x[..., 0] * np.cos(1) + x[..., 1] * np.sin(1), 1.0001) == 0.0

@@ -7,7 +7,7 @@ References
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Real
@@ -305,22 +305,30 @@ def largest(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], n
     if math.isinf(value):
         return time, value
 
+    # A lower sample can lie beside a higher peak: every local maximum that comes close to the best is polished.
+    for peak, height in _summits(output, trajectory, grid, values, value - _CLOSE * np.ptp(values)):
+        if height > value:
+            time, value = peak, height
+    return time, value
+
+
+def _summits(
+    output: Callable, trajectory: Trajectory, grid: np.ndarray, values: np.ndarray, floor: float
+) -> Iterator[tuple[float, float]]:
+    """Yield time and value of every local maximum whose sample is not below a floor, polished on the dense output."""
+
     def negative(t: float) -> float:
         return -float(output(np.array([t]), trajectory(np.array([t])))[0])
 
-    # A lower sample can lie beside a higher peak: every local maximum that comes close to the best is polished.
     padded = np.concatenate([[-np.inf], values, [-np.inf]])
     before, after = padded[:-2], padded[2:]
     summits = (values >= before) & (values >= after) & ((values > before) | (values > after))  # no plateau
-    summits &= values >= value - _CLOSE * np.ptp(values)
-    for index in map(int, np.flatnonzero(summits)):
+    for index in map(int, np.flatnonzero(summits & (values >= floor))):
         low, high = float(grid[max(index - 1, 0)]), float(grid[min(index + 1, len(grid) - 1)])
         polished = scipy.optimize.minimize_scalar(
-            negative, bounds=(low, high), method="bounded", options={"xatol": _part(_PEAK, grid[-1])}
+            negative, bounds=(low, high), method="bounded", options={"xatol": _part(_PEAK, float(grid[-1]))}
         )
-        if -polished.fun > value:
-            time, value = float(polished.x), -float(polished.fun)
-    return time, value
+        yield float(polished.x), -float(polished.fun)
 
 
 def _outputs(output: Callable, trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:
@@ -352,12 +360,17 @@ def last_crossing(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarr
     positive = np.flatnonzero(values >= 0)
     if len(positive) == 0 or positive[-1] == len(grid) - 1:
         raise ComputationError("crossing", "the output does not pass from positive to lastingly negative")
-    low, high = float(grid[positive[-1]]), float(grid[positive[-1] + 1])
+    last = int(positive[-1])
+    low, high = float(grid[last]), float(grid[last + 1])
+    # a later peak may pass zero between two samples alone
+    for peak, height in _summits(output, trajectory, grid[last:], values[last:], -_CLOSE * np.ptp(values)):
+        if height > 0 and peak > low:
+            low, high = peak, float(grid[np.searchsorted(grid, peak, side="right")])
     return float(
         scipy.optimize.brentq(
             lambda t: float(output(np.array([t]), trajectory(np.array([t])))[0]),
             low,
             high,
-            xtol=_part(_CROSSING, grid[-1]),
+            xtol=_part(_CROSSING, float(grid[-1])),
         )
     )

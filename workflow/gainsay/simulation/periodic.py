@@ -5,7 +5,7 @@ product, the monodromy matrix, give the state at every node of every period by m
 disturbances are states of their own (`with_oscillators`), so that no input is ever interpolated.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,8 @@ from gainsay.exact.floats import real_array, real_number, real_row
 _GAUSS = np.sqrt(3) / 6
 #: s, to which peaks are located, and the part of a solution that is shorter than a second
 _LOCATED = 1e-10
+#: part of the largest value, or of the spread of the values, by which a node may miss the peak beside it
+_CLOSE = 0.05
 
 
 def magnus_step(A: Callable, t: float, h: float) -> np.ndarray:
@@ -185,20 +187,27 @@ class PeriodicSolution:
         t, values = self.times[keep], self._values(function, keep)
         best = int(np.argmax(values))
         top = Extreme(float(t[best]), float(values[best]), self.states[keep][best])
-        floor = values[best] - 0.05 * max(abs(values[best]), np.ptp(values))
+        floor = values[best] - _CLOSE * max(abs(values[best]), np.ptp(values))
+        for time, value in self._summits(function, t, values, floor):
+            if value > top.value:
+                top = Extreme(time, value, self.state(time))
+        return top
+
+    def _summits(
+        self, function: Callable, times: np.ndarray, values: np.ndarray, floor: float
+    ) -> Iterator[tuple[float, float]]:
+        """Yield time and value of every local maximum whose node is not below a floor, the last one first."""
         padded = np.concatenate([[-np.inf], values, [-np.inf]])
         before, behind = padded[:-2], padded[2:]
         summits = (values >= before) & (values >= behind) & ((values > before) | (values > behind))  # no plateau
-        for i in map(int, np.flatnonzero(summits & (values >= floor))):
+        for i in map(int, np.flatnonzero(summits & (values >= floor))[::-1]):
             maximum = scipy.optimize.minimize_scalar(
                 lambda s: -float(function(s, self.state(s))),
-                bounds=(t[max(i - 1, 0)], t[min(i + 1, len(t) - 1)]),
+                bounds=(times[max(i - 1, 0)], times[min(i + 1, len(times) - 1)]),
                 method="bounded",
                 options={"xatol": _LOCATED * min(1.0, self.times[-1])},
             )
-            if -maximum.fun > top.value:
-                top = Extreme(float(maximum.x), float(-maximum.fun), self.state(float(maximum.x)))
-        return top
+            yield float(maximum.x), float(-maximum.fun)
 
     def _values(self, function: Callable, keep: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Values of a function at the nodes."""
@@ -212,14 +221,24 @@ class PeriodicSolution:
     def last_exit(self, function: Callable, level: float) -> float:
         """Last time at which a function of the state is above a level (0 where it never is), s.
 
-        Located between nodes by bisection to 1e-9 of a step.
+        Located between nodes by bisection to 1e-9 of a step; a peak that passes the level between two nodes alone is
+        seen where a node comes as near to the level as `largest` asks for.
         """
-        above = np.flatnonzero(self._values(function) > real_number(level, "level"))
-        if len(above) == 0:
-            return 0.0
-        if above[-1] == len(self.times) - 1:
+        values = self._values(function)
+        above = np.flatnonzero(values > real_number(level, "level"))
+        last = int(above[-1]) if len(above) else -1
+        if last == len(self.times) - 1:
             return float(self.times[-1])
-        low, high = self.times[above[-1]], self.times[above[-1] + 1]
+        ends = (self.times[last], self.times[last + 1]) if len(above) else None
+        first = max(last, 0)
+        floor = level - _CLOSE * max(abs(level), np.ptp(values))
+        for time, value in self._summits(function, self.times[first:], values[first:], floor):
+            if value > level:
+                ends = time, self.times[np.searchsorted(self.times, time, side="right")]
+                break
+        if ends is None:
+            return 0.0
+        low, high = ends
         for _ in range(40):
             middle = 0.5 * (low + high)
             if float(function(middle, self.state(middle))) > level:
