@@ -45,6 +45,7 @@ def test_definite_and_not_definite():
     refused("definite", {"constraint": "[[2, 2], [..., 2]] > 0"})
     refused("definite", {"constraint": "[[2, 2], [0, 2]] > 0"})
     assert "not symmetric" in refused("definite", {"constraint": "[[2, sqrt(2)], [0, 2]] > 0"})
+    assert "an inequality" in refused("definite", {"constraint": "[[0, 1], [-1, 0]] == [[0, 1], [-1, 0]]"})
     make("not_definite", {"constraint": "[[2, 2], [..., 2]] > 0"}, {"z": [1, -1]})
     refused("not_definite", {"constraint": "[[2, 2], [..., 2]] >= 0"}, {"z": [1, -1]})
     refused("not_definite", {"constraint": "[[2, 2], [..., 2]] > 0"}, {"z": [0, 0]})

@@ -306,16 +306,16 @@ def largest(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], n
         return time, value
 
     # A lower sample can lie beside a higher peak: every local maximum that comes close to the best is polished.
-    for peak, height in _summits(output, trajectory, grid, values, value - _CLOSE * np.ptp(values)):
+    for peak, height in _summits(output, trajectory, grid, values, values >= value - _CLOSE * np.ptp(values)):
         if height > value:
             time, value = peak, height
     return time, value
 
 
 def _summits(
-    output: Callable, trajectory: Trajectory, grid: np.ndarray, values: np.ndarray, floor: float
+    output: Callable, trajectory: Trajectory, grid: np.ndarray, values: np.ndarray, near: np.ndarray
 ) -> Iterator[tuple[float, float]]:
-    """Yield time and value of every local maximum whose sample is not below a floor, polished on the dense output."""
+    """Yield time and value of every local maximum whose sample is near enough to matter, polished."""
 
     def negative(t: float) -> float:
         return -float(output(np.array([t]), trajectory(np.array([t])))[0])
@@ -323,7 +323,7 @@ def _summits(
     padded = np.concatenate([[-np.inf], values, [-np.inf]])
     before, after = padded[:-2], padded[2:]
     summits = (values >= before) & (values >= after) & ((values > before) | (values > after))  # no plateau
-    for index in map(int, np.flatnonzero(summits & (values >= floor))):
+    for index in map(int, np.flatnonzero(summits & near)):
         low, high = float(grid[max(index - 1, 0)]), float(grid[min(index + 1, len(grid) - 1)])
         polished = scipy.optimize.minimize_scalar(
             negative, bounds=(low, high), method="bounded", options={"xatol": _part(_PEAK, float(grid[-1]))}
@@ -362,8 +362,10 @@ def last_crossing(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarr
         raise ComputationError("crossing", "the output does not pass from positive to lastingly negative")
     last = int(positive[-1])
     low, high = float(grid[last]), float(grid[last + 1])
-    # a later peak may pass zero between two samples alone
-    for peak, height in _summits(output, trajectory, grid[last:], values[last:], -_CLOSE * np.ptp(values)):
+    # A later peak may pass zero between two samples alone; it rises above its sample by less than this falls beside it.
+    drops = np.abs(np.diff(values[last:]))
+    near = values[last:] + np.maximum(np.append(0.0, drops), np.append(drops, 0.0)) >= 0
+    for peak, height in _summits(output, trajectory, grid[last:], values[last:], near):
         if height > 0 and peak > low:
             low, high = peak, float(grid[np.searchsorted(grid, peak, side="right")])
     return float(

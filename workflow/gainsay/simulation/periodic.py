@@ -188,19 +188,19 @@ class PeriodicSolution:
         best = int(np.argmax(values))
         top = Extreme(float(t[best]), float(values[best]), self.states[keep][best])
         floor = values[best] - _CLOSE * max(abs(values[best]), np.ptp(values))
-        for time, value in self._summits(function, t, values, floor):
+        for time, value in self._summits(function, t, values, values >= floor):
             if value > top.value:
                 top = Extreme(time, value, self.state(time))
         return top
 
     def _summits(
-        self, function: Callable, times: np.ndarray, values: np.ndarray, floor: float
+        self, function: Callable, times: np.ndarray, values: np.ndarray, near: np.ndarray
     ) -> Iterator[tuple[float, float]]:
-        """Yield time and value of every local maximum whose node is not below a floor, the last one first."""
+        """Yield time and value of every local maximum whose node is near enough to matter, the last one first."""
         padded = np.concatenate([[-np.inf], values, [-np.inf]])
         before, behind = padded[:-2], padded[2:]
         summits = (values >= before) & (values >= behind) & ((values > before) | (values > behind))  # no plateau
-        for i in map(int, np.flatnonzero(summits & (values >= floor))[::-1]):
+        for i in map(int, np.flatnonzero(summits & near)[::-1]):
             maximum = scipy.optimize.minimize_scalar(
                 lambda s: -float(function(s, self.state(s))),
                 bounds=(times[max(i - 1, 0)], times[min(i + 1, len(times) - 1)]),
@@ -221,8 +221,8 @@ class PeriodicSolution:
     def last_exit(self, function: Callable, level: float) -> float:
         """Last time at which a function of the state is above a level (0 where it never is), s.
 
-        Located between nodes by bisection to 1e-9 of a step; a peak that passes the level between two nodes alone is
-        seen where a node comes as near to the level as `largest` asks for.
+        Located between nodes by bisection to 1e-9 of a step. A peak that passes the level between two nodes alone is
+        seen too, as long as it rises above its node by less than this falls beside it.
         """
         values = self._values(function)
         above = np.flatnonzero(values > real_number(level, "level"))
@@ -231,8 +231,9 @@ class PeriodicSolution:
             return float(self.times[-1])
         ends = (self.times[last], self.times[last + 1]) if len(above) else None
         first = max(last, 0)
-        floor = level - _CLOSE * max(abs(level), np.ptp(values))
-        for time, value in self._summits(function, self.times[first:], values[first:], floor):
+        drops = np.abs(np.diff(values[first:]))
+        near = values[first:] + np.maximum(np.append(0.0, drops), np.append(drops, 0.0)) >= level
+        for time, value in self._summits(function, self.times[first:], values[first:], near):
             if value > level:
                 ends = time, self.times[np.searchsorted(self.times, time, side="right")]
                 break

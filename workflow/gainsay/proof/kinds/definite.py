@@ -20,5 +20,7 @@ def prove(scope: Scope) -> list[Proved]:
     scope.define()
     text = scope.field("constraint")
     form, relation = scope.constraint(text)
+    if relation == "==":
+        raise scope.fail("field 'constraint': expected an inequality")
     demand(scope, form, relation, "the constraint's difference")
     return [Proved("definite", "holds")]
