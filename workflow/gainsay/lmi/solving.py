@@ -241,7 +241,13 @@ def filled_point(program: Program, point: Solved) -> Solved:
 
 
 def runs(
-    program: Program, scale: scaling.Scaling, setting: str, rounds: int, attempts: list, settle: bool
+    program: Program,
+    scale: scaling.Scaling,
+    setting: str,
+    rounds: int,
+    attempts: list,
+    settle: bool,
+    refute: bool = True,
 ) -> Solved | Infeasible | None:
     """The best point proved of some runs, each scaled from the one before, or a refutation by a run's multipliers.
 
@@ -258,6 +264,8 @@ def runs(
         Filled with a record of each.
     settle : bool
         Whether to go on from a point until the objective settles.
+    refute : bool, optional
+        Whether to prove the multipliers of a run that says that there is no point.
     """
     best: Solved | None = None
     refusals = 0
@@ -284,7 +292,7 @@ def runs(
             break
         if "DualInfeasible" in record["status"] or not np.isfinite(x).all():
             break
-        if best is None and "PrimalInfeasible" in record["status"]:
+        if refute and best is None and "PrimalInfeasible" in record["status"]:
             proof = duality.refuted_by(program, scale, raw.multipliers, _CUTS)
             if proof is not None:
                 return Infeasible(proof, tuple(attempts))
@@ -333,5 +341,5 @@ def find_point(program: Program, near: Values | None = None) -> Solved | None:
     if decided is not None:
         return decided if isinstance(decided, Solved) else None
     first = scaling.beginning(program, near)
-    outcome = runs(program, first, "clarabel", 4, [], settle=True)
+    outcome = runs(program, first, "clarabel", 4, [], settle=True, refute=False)
     return outcome if isinstance(outcome, Solved) else None
