@@ -12,7 +12,7 @@ from gainsay.scans import corners, plausible, sample, scans
 from gainsay.simulation.batch import Segment, polished_crossing, polished_peak, segments
 from gainsay.simulation.ode import Trajectory, largest, last_crossing
 from gainsay.tables import Case
-from papers.wan2014.plant import ESTIMATE, POSITION, VELOCITY, ClosedLoop
+from papers.wan2014.plant import ESTIMATE, POSITION, SIZES, VELOCITY, ClosedLoop
 
 #: the transient in which the largest thrust falls whatever the start, s
 TRANSIENT = 120.0
@@ -170,9 +170,8 @@ class Flights:
         ComputationError
             If a flight is not captured or its estimate not settled at the end of the horizon.
         """
-        end, size = self.case.number("horizon"), np.tile([1.0] * 3 + [1e-2] * 3, 2)
-        part = None
-        for part in segments(*self.loop.many_flights(), self.starts, end, rtol=RTOL, atol=RTOL * size, length=STRETCH):
+        end, atol, part = self.case.number("horizon"), RTOL * SIZES[:12], None
+        for part in segments(*self.loop.many_flights(), self.starts, end, rtol=RTOL, atol=atol, length=STRETCH):
             self._look(part)
         if part is None or self._far.any() or self._off.any():
             raise ComputationError("Figures 2 to 5", "a flight is not captured or settled at the end of the horizon")
