@@ -1,4 +1,5 @@
 import csv
+import hashlib
 
 import numpy as np
 import pytest
@@ -6,7 +7,7 @@ import pytest
 from gainsay.errors import ComputationError, InputError
 from gainsay.proof import build
 from gainsay.results import Results
-from gainsay.results.listing import LISTING_COLUMNS
+from gainsay.results.listing import LISTING_COLUMNS, sha256
 from gainsay.steps.compare import compare
 from gainsay.steps.verdicts import verdicts
 from gainsay.tables.designs import FoundDesign, write_design
@@ -36,6 +37,8 @@ def run(project, *, length=1.5, peak=39.0):
     results = Results(case, "simulation")
     results.quantity("run.peak", peak, method="m", lower=peak - 1e-6, upper=peak + 1e-6)
     results.close()
+    for step in ("synthesis", "figures", "views"):
+        Results(case, step).close()
     verdicts(case)
     for file in ("logs/nominal.mcap", "logs/nominal.rrd", "figures/figure_1.svg", "figures/figure_1.png"):
         write_atomically(case.results / file, "x")
@@ -228,6 +231,37 @@ def test_nothing_leaves_the_record_while_something_was_not_computed(clean):
     with pytest.raises(ComputationError, match="1 computations failed"):
         list(record_paper(case))
     assert clean.file("recorded.csv").read_bytes() == before
+
+
+def test_nothing_goes_on_record_while_a_file_is_not_as_its_step_left_it(clean):
+    case = clean.case()
+    before = clean.file("recorded.csv").read_bytes()
+    path = case.results / "quantities.csv"
+    path.write_text(path.read_text().replace("audit.length,1.5,", "audit.length,1.6,"))
+    with pytest.raises(ComputationError, match=r"quantities\.csv of the step verdicts is altered: nothing was put on"):
+        list(record_paper(case))
+    run(clean)
+    (case.results / "parts" / "synthesis.files.csv").unlink()  # as in a step that was killed
+    with pytest.raises(ComputationError, match=r"synthesis\.files\.csv of the step synthesis is missing"):
+        list(record_paper(case))
+    assert clean.file("recorded.csv").read_bytes() == before
+
+
+def test_nothing_goes_on_record_beside_a_refused_certificate(clean):
+    case = certified(clean, "1 > 0")
+    list(record_paper(case))
+    path = case.results / "certificates" / "one.json"
+    before = clean.file("recorded_certificates.csv").read_bytes()
+    text = path.read_text()
+    forged = text.replace("1 > 0", "0 > 1")
+    assert forged != text
+    path.write_text(forged)
+    listing = case.results / "parts" / "audit.files.csv"
+    listing.write_text(listing.read_text().replace(hashlib.sha256(text.encode()).hexdigest(), sha256(path)))
+    verdicts(case)
+    with pytest.raises(ComputationError, match="certificate one refused: nothing was put on record"):
+        list(record_paper(case))
+    assert clean.file("recorded_certificates.csv").read_bytes() == before
 
 
 def test_a_paper_without_a_record_has_everything_not_on_record(clean):

@@ -119,6 +119,25 @@ def test_the_line_on_the_record_says_whether_a_verdict_differs():
 
 
 @pytest.mark.parametrize(
+    ("row", "end"),
+    [
+        (("toy", "file", "a.csv", "", "altered", ""), "index.html; `make` makes again what is lost, altered or broken"),
+        (
+            ("toy", "failure", "audit (1)", "", "no", ""),
+            "differences.csv; `make` makes again what is lost, altered or broken",
+        ),
+        (("toy", "verdict", "c", "reproduced", "contradicted", ""), "details: results/toy/differences.csv"),
+        (("toy", "certificate", "c", "accepted", "refused", ""), "details: results/toy/differences.csv"),
+        (("toy", "certificate", "c", "sha256:1", "sha256:2", ""), "differences.csv; `gainsay record` accepts"),
+    ],
+)
+def test_the_line_on_the_record_offers_what_helps(row, end):
+    line = record_line([row], ["results/toy"])
+    assert "; page: results/toy/index.html" in line
+    assert line.endswith(end)
+
+
+@pytest.mark.parametrize(
     ("text", "value", "units"), [("1.50", 1.53, 3), ("-8.8129e-4", -8.8130e-4, -1), ("40", 38.0, -2)]
 )
 def test_units_of_the_last_digit(text, value, units):

@@ -20,10 +20,11 @@ from gainsay.proof import build
 from gainsay.report import read_results
 from gainsay.report.page import render_paper
 from gainsay.results import Results
+from gainsay.results.listing import sha256
 from gainsay.results.returned import read_returned
 from gainsay.scans import Plausible, Scan
 from gainsay.steps.between import between
-from gainsay.steps.check import check
+from gainsay.steps.check import check, shared_differences
 from gainsay.steps.compare import compare
 from gainsay.steps.explain import explain, status
 from gainsay.steps.page import page
@@ -84,6 +85,8 @@ def compute(case):
     write_atomically(case.results / "figures" / "figure_1.svg", '<svg width="10pt" height="20pt"></svg>')
     results.list_file("figures/figure_1.svg")
     results.close()
+    for step in ("synthesis", "views"):
+        Results(case, step).close()
 
 
 @pytest.fixture(scope="module")
@@ -216,6 +219,33 @@ def test_numbers_read_back_are_numbers_as_they_were_written(made, tmp_path, tabl
     path.write_text("\n".join(lines) + "\n")
     with pytest.raises(InputError, match=rf"{table}\.csv:2: {column}"):
         read_returned(path, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("toy/verdicts.csv", ",reproduced,", ",uncheckable,"),
+        ("toy/published.csv", "reproduced", "contradicted"),
+        ("toy/quantities.csv", "half", "third"),
+        ("toy/gains.csv", "1.50", "1.51"),
+        ("toy/differences.csv", "toy,", "other,"),
+        ("published.csv", "reproduced", "contradicted"),
+        ("verdicts.csv", ",reproduced,", ",uncheckable,"),
+    ],
+)
+def test_a_table_altered_together_with_its_list_does_not_follow_from_the_results(made, tmp_path, file, old, new):
+    root = tmp_path / "project"
+    shutil.copytree(made, root)
+    path = root / "results" / file
+    before, text = sha256(path), path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    lists = [f"toy/parts/{step}.files.csv" for step in ("verdicts", "compare")]
+    for listing in (root / "results" / name for name in [*lists, "report.files.csv"]):
+        listing.write_text(listing.read_text().replace(before, sha256(path)))
+    cases = [read_case(root, paper) for paper in ("toy", "other")]
+    found = {(row[0], row[2]) for row in [*check(cases), *shared_differences(cases)] if row[4] == "does not follow"}
+    assert ("toy" if "toy/" in file else "all papers", path.name) in found
 
 
 def test_a_row_twice_is_refused(made, tmp_path):

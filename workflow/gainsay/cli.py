@@ -64,7 +64,7 @@ def check(options: argparse.Namespace) -> int:
     differing_rows = differing(cases)
     rest = [paper for paper in paper_names(options.root) if paper not in {case.name for case in cases}]
     if not options.papers:
-        differing_rows += shared_differences(options.root)
+        differing_rows += shared_differences(cases)
     for line in summary(row for case in cases for row in _published(case)):
         print(line)
     shown = differing_rows[:MOST_LINES] if options.brief else differing_rows
@@ -79,7 +79,7 @@ def check(options: argparse.Namespace) -> int:
         print(line)
     drafts = [case.name for case in cases if case.paper.draft]
     if differing_rows or len(drafts) < len(cases):
-        print(record_line(differing_rows))
+        print(record_line(differing_rows, [f"results/{paper}" for paper in options.papers] or ["results"]))
     for paper in drafts:
         print(f"{paper}: a draft, what is not on record is no difference; `gainsay record`, then take `draft` out")
     if rest:

@@ -177,7 +177,7 @@ def export(cases: Sequence[Case], crate: Path, responsible: Responsible) -> str:
         raise InputError("crate", file=str(crate), expected="a folder to put it in")
     root = cases[0].root
     whole = {case.name for case in cases} == set(paper_names(root))
-    damaged = [row for case in cases for row in file_differences(case)] + (list(shared_differences(root)) * whole)
+    damaged = [row for case in cases for row in file_differences(case)] + (list(shared_differences(cases)) * whole)
     if damaged:
         paper, _, file, _, how, made = damaged[0]
         raise InputError(

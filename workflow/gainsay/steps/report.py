@@ -8,46 +8,13 @@ from pathlib import Path
 from gainsay.errors import InputError
 from gainsay.report import PaperResults, write_index, write_provenance
 from gainsay.results.listing import write_listing
-from gainsay.results.returned import VERDICT_COLUMNS, read_returned
 from gainsay.steps.command import CLEAN, broken_off, refuse, whole_streams
 from gainsay.steps.holding import hold_as_step
 from gainsay.steps.page import results_of
-from gainsay.tables import Case, find_root, read_case
+from gainsay.tables import find_root, read_case
 from gainsay.tables.contract import README
-from gainsay.tables.files import Table, write_atomically, write_csv
-from gainsay.verdicts.differences import DIFFERENCE_COLUMNS
-from gainsay.verdicts.published import PUBLISHED_COLUMNS
-
-#: joined over the papers: table -> columns, the paper's name first
-JOINED = {
-    "verdicts": ("paper", *VERDICT_COLUMNS),
-    "published": PUBLISHED_COLUMNS,
-    "differences": DIFFERENCE_COLUMNS,
-}
-
-
-def _rows(case: Case, table: str, columns: Sequence[str]) -> list[dict[str, str]]:
-    """Rows of a paper's table; none where it is missing or damaged, which the page says."""
-    own = [column for column in columns if table != "verdicts" or column != "paper"]
-    try:
-        return read_returned(case.results / f"{table}.csv", case.root, own)
-    except InputError:
-        return []
-
-
-def joined(cases: Sequence[Case]) -> dict[str, Table]:
-    """Return the tables over some papers by the name of their file."""
-    return {
-        table: (
-            columns,
-            [
-                [case.name if column == "paper" else row[column] for column in columns]
-                for case in cases
-                for row in _rows(case, table, columns)
-            ],
-        )
-        for table, columns in JOINED.items()
-    }
+from gainsay.tables.files import write_atomically, write_csv
+from gainsay.verdicts.joined import JOINED, joined
 
 
 def write_report(root: Path, papers: Sequence[PaperResults]) -> None:

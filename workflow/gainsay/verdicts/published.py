@@ -49,6 +49,9 @@ LINES = {
 }
 _NOUNS = {"quantity": "number", "failure": "failed computation", "erratum": "erratum's witness"}
 
+#: what `gainsay record` puts on record
+_RECORDED = ("quantity", "scan", "input", "certificate")
+
 Row = Mapping[str, str]
 
 
@@ -248,7 +251,25 @@ def record_sentence(differences: Sequence[Sequence[str]]) -> str:
     return sentence if any(counts["verdict"] for counts in papers.values()) else f"{sentence}, no verdict does"
 
 
-def record_line(differences: Sequence[Sequence[str]]) -> str:
-    """Return the last line of `make`: the sentence on the record, and where to look."""
-    line = f"{record_sentence(differences)}; page: results/index.html"
-    return f"{line}; details: results/differences.csv; `gainsay record` accepts" if differences else line
+def record_line(differences: Sequence[Sequence[str]], folders: Sequence[str] = ("results",)) -> str:
+    """Return the last line of `make`: the sentence on the record, where to look, and what to do.
+
+    Parameters
+    ----------
+    differences : sequence of rows
+    folders : sequence of str, optional
+        Where the pages and tables of what was checked stand.
+    """
+
+    def each(file: str) -> str:
+        return ", ".join(f"{folder}/{file}" for folder in folders)
+
+    parts = [record_sentence(differences), f"page: {each('index.html')}"]
+    whats = {row[1] for row in differences}
+    if whats - {"file"}:
+        parts.append(f"details: {each('differences.csv')}")
+    if whats & {"file", "failure"}:
+        parts.append("`make` makes again what is lost, altered or broken")
+    elif differences and all(row[1] in _RECORDED and row[4] not in ("missing", "refused") for row in differences):
+        parts.append("`gainsay record` accepts")
+    return "; ".join(parts)

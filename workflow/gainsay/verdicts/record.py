@@ -6,7 +6,8 @@ from typing import Any
 
 from gainsay.errors import ComputationError, GainsayError
 from gainsay.proof import formulas_digest, read_certificate
-from gainsay.results.returned import read_part, read_returned
+from gainsay.results.listing import damage
+from gainsay.results.returned import STEPS, read_part, read_returned
 from gainsay.scans.outcome import Outcome, outcomes, read_scans
 from gainsay.tables import Case
 from gainsay.tables.files import cell, write_csv
@@ -50,13 +51,19 @@ def certificates_of(case: Case) -> dict[str, str]:
 
 
 def _refuse_unfinished(case: Case, rows: Mapping[str, Any]) -> None:
-    """Nothing goes on record, and nothing off it, while a computation is broken or missing."""
+    """Nothing goes on record, and nothing off it, while a computation is broken or missing, or a file of it damaged."""
     failures = read_returned(case.results / "failures.csv", case.root)
     if failures:
         raise ComputationError(case.name, f"{len(failures)} computations failed: nothing was put on record")
     missing = [quantity for quantity in case.quantities if quantity not in rows]
     if missing:
         raise ComputationError(case.name, f"{missing[0]} was not computed: nothing was put on record")
+    for step in (*STEPS, "verdicts"):
+        for file, how in damage(case.results / "parts" / f"{step}.files.csv", case.results):
+            raise ComputationError(case.name, f"{file} of the step {step} is {how}: nothing was put on record")
+    for row in read_returned(case.results / "certificates.csv", case.root):
+        if row["accepted"] != "1":
+            raise ComputationError(case.name, f"certificate {row['certificate']} refused: nothing was put on record")
 
 
 def _toleranced(before: Toleranced | None, new: tuple[str, str, str, str], width: str) -> tuple[str, str, str, str]:
