@@ -145,8 +145,8 @@ def test_an_import_is_seen_however_it_is_written(tmp_path, text):
 def test_every_table_that_a_step_opens_is_an_input_or_changes_nothing(toy):
     # Reading validates all tables, so all are opened; what counts is what the results hang on.
     _, opened = watched(toy.root, "audit", "toy")
-    hangs_on = {"paper.toml", "parameters.csv", "printed/K.csv", *COLUMNS}
-    for_readers = {"claims.csv", "quantities.csv", "errata.csv", "not_checked.csv", "recorded.csv"}
+    hangs_on = {"printed/K.csv", *COLUMNS}
+    for_readers = {"paper.toml", "errata.csv", "not_checked.csv", "recorded.csv"}
     assert opened <= hangs_on | for_readers | {"designs", "designs/repaired.json"}
 
     def left() -> dict[str, bytes]:
@@ -154,29 +154,65 @@ def test_every_table_that_a_step_opens_is_an_input_or_changes_nothing(toy):
         files = (*folder.glob("parts/audit.*"), *folder.glob("certificates/*"))
         return {path.name: path.read_bytes() for path in files}
 
-    before, digest = left(), table_digest(toy.root, "toy")
+    before, digest = left(), table_digest(toy.root, "toy", "audit")
     assert before
+    toy.edit("paper.toml", "a picture", "a plot")
+    toy.edit("paper.toml", "a run", "a flight")
+    toy.edit("paper.toml", '"Journal of Toys"', '"Toys"')
+    toy.edit("parameters.csv", "mass,number,2.0,kg,(1)", "mass,number,2.0,kg,Table 1")
+    toy.edit("parameters.csv", "near|far,left out", "near|far,not given")
     toy.edit("claims.csv", "it is at most 2 m", "it stays below 2 m")
     toy.edit("claims.csv", "it is 1.50 m,equal", "the length is 1.50 m,equal")
     toy.edit("quantities.csv", "another length", "a width")
     toy.edit("errata.csv", "none", "small")
     toy.edit("not_checked.csv", "a definition", "a name")
     toy.edit("recorded.csv", "1.5,m", "9.5,m")
-    assert table_digest(toy.root, "toy") == digest
+    assert table_digest(toy.root, "toy", "audit") == digest
     watched(toy.root, "audit", "toy")
     assert left() == before
 
 
 @pytest.mark.parametrize(
-    ("file", "old", "new"),
+    ("step", "file", "old", "new"),
     [
-        ("claims.csv", "audit.other,2,m", "audit.other,3,m"),
-        ("claims.csv", "at_most,audit.other", "at_least,audit.other"),
-        ("quantities.csv", "audit.other,m", "audit.other,km"),
-        ("quantities.csv", "audit.holds,1,audit", "audit.holds,1,synthesis"),
+        ("audit", "claims.csv", "audit.other,2,m", "audit.other,3,m"),
+        ("audit", "claims.csv", "at_most,audit.other", "at_least,audit.other"),
+        ("audit", "quantities.csv", "audit.other,m", "audit.other,km"),
+        ("audit", "quantities.csv", "audit.holds,1,audit", "audit.holds,1,synthesis"),
+        ("audit", "parameters.csv", "mass,number,2.0", "mass,number,2.1"),
+        ("audit", "parameters.csv", "assumed,0..1", "assumed,0..2"),
+        ("audit", "parameters.csv", "height,number,400,km", "height,number,400,m"),
+        ("simulation", "paper.toml", "a run", "a flight"),
+        ("simulation", "paper.toml", "nominal =", "blind ="),
+        ("simulation", "paper.toml", "A toy", "A play"),
+        ("figures", "paper.toml", "figure_1 =", "figure_2 ="),
+        ("figures", "paper.toml", "Journal of Toys", "Toys"),
     ],
 )
-def test_what_computations_read_of_a_table_changes_its_digest(project, file, old, new):
-    before = table_digest(project.root, "toy")
+def test_what_computations_read_of_a_table_changes_its_digest(project, step, file, old, new):
+    before = table_digest(project.root, "toy", step)
     project.edit(file, old, new)
-    assert table_digest(project.root, "toy") != before
+    assert table_digest(project.root, "toy", step) != before
+
+
+def test_what_a_level_requires_changes_the_digest_of_its_table(project):
+    text = project.file("quantities.csv").read_text().splitlines()
+    lines = [f"{line}," for line in text[1:]]
+    project.file("quantities.csv").write_text("\n".join([f"{text[0]},requires", *lines]) + "\n")
+    before = table_digest(project.root, "toy", "audit")
+    project.file("quantities.csv").write_text("\n".join([f"{text[0]},requires", f"{lines[0]}radius=mass", *lines[1:]]))
+    assert table_digest(project.root, "toy", "audit") != before
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from .helper import LENGTH",
+        "from . import helper",
+        "from ..toy import helper",
+        "from ..toy.helper import LENGTH",
+    ],
+)
+def test_an_import_relative_to_its_package_is_one(toy, line):
+    toy.file("audit.py").write_text(f"{line}\n")
+    assert "papers/toy/helper.py" in sources(toy.root, "audit", "toy")

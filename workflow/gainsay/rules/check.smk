@@ -5,6 +5,7 @@
 rule check:
     input:
         "results/report.files.csv",
+        sources(ROOT, "check"),
     output:
         touch("results/.checked"),
     log:

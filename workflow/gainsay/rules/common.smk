@@ -12,10 +12,12 @@ if str(LIBRARY) not in sys.path:
     sys.path.insert(0, str(LIBRARY))
 
 from gainsay.errors import InputError, one_of
+from gainsay.results.returned import STEPS
 from gainsay.steps.closure import sources, table_digest
 from gainsay.steps.holding import hold_results
 from gainsay.steps.resume import forget_damaged
 from gainsay.tables import read_case
+from gainsay.tables.files import short_path
 from gainsay.tables.folder import checked_name, paper_names
 
 
@@ -61,7 +63,8 @@ def numeric_threads():
 try:
     ALL, PAPERS = chosen_papers()
     THREADS = numeric_threads()
-    if not workflow.dryrun and workflow.is_main_process:
+    # For a plan as well (`snakemake -n`), which then says what a run would do.
+    if workflow.is_main_process:
         hold_results(ROOT)
         for line in forget_damaged(ROOT, ALL):
             print(line, flush=True)
@@ -78,20 +81,22 @@ ENVIRONMENT = " ".join(
     ]
 )
 
-TEMPLATES = sorted(str(path) for path in LIBRARY.glob("gainsay/report/templates/*"))
+TEMPLATES = sorted(
+    short_path(path, ROOT) for path in LIBRARY.glob("gainsay/report/templates/*")
+)
 
 # A prefix of our own takes the place of Snakemake's, and with it of its options of bash.
 shell.prefix(f"set -euo pipefail; export {ENVIRONMENT}; ")
 
 
 def tables(paper):
-    """What a computing step reads of a paper's folder, but for the columns that `table_digest` covers.
+    """What a computing step reads of a paper's folder, but for the tables of which `table_digest` covers a part.
 
     As a function of the wildcards, which Snakemake calls for a paper that it works on: bad tables are refused then,
     once, before anything is computed, and those of other papers are not looked at.
     """
     folder = Path("papers", paper)
-    found = [f"papers/{paper}/parameters.csv", f"papers/{paper}/paper.toml"] + sorted(
+    found = sorted(
         str(path)
         for kind in ("printed/*.csv", "designs/*.json")
         for path in folder.glob(kind)
@@ -128,6 +133,15 @@ def contents(pattern):
     """Digest of the files that match a pattern."""
     found = [(str(path), path.read_bytes()) for path in sorted(Path().glob(pattern))]
     return hashlib.sha256(repr(found).encode()).hexdigest()
+
+
+def listings(paper, *steps):
+    """The lists of all files of some steps: whoever reads files of a step goes by the bytes that its list names.
+
+    A run that is killed between two steps leaves a list that is newer, and a step in between that may have come out as
+    before; Snakemake goes by contents, so each list that matters is an input of its own.
+    """
+    return [listing(paper, step) for step in steps]
 
 
 def made(paper, step):

@@ -19,7 +19,7 @@ for paper in ALL:
             params:
                 paper=paper,
                 step=step,
-                columns=table_digest(ROOT, paper),
+                columns=table_digest(ROOT, paper, step),
             shell:
                 "python -m gainsay.steps.{params.step} {params.paper:q} 2>&1 | tee {log:q}"
 
@@ -39,6 +39,7 @@ for paper in ALL:
             said(paper, "figures"),
         params:
             paper=paper,
+            columns=table_digest(ROOT, paper, "figures"),
         shell:
             "python -m gainsay.steps.figures {params.paper:q} 2>&1 | tee {log:q}"
 
@@ -61,12 +62,9 @@ for paper in ALL:
         name:
             f"{paper}_verdicts"
         input:
-            results=[
-                file
-                for step in ("synthesis", "audit", "simulation", "figures", "views")
-                for file in made(paper, step)
-            ],
-            claims=f"papers/{paper}/claims.csv",
+            results=[file for step in STEPS for file in made(paper, step)],
+            tables=tables(paper),
+            csv=[f"papers/{paper}/claims.csv", f"papers/{paper}/parameters.csv"],
             code=sources(ROOT, "verdicts", paper),
         output:
             [
@@ -86,6 +84,7 @@ for paper in ALL:
             said(paper, "verdicts"),
         params:
             paper=paper,
+            columns=table_digest(ROOT, paper, "verdicts"),
         shell:
             "python -m gainsay.steps.verdicts {params.paper:q} 2>&1 | tee {log:q}"
 
@@ -93,7 +92,7 @@ for paper in ALL:
         name:
             f"{paper}_compare"
         input:
-            results=listing(paper, "verdicts"),
+            results=listings(paper, *STEPS, "verdicts"),
             record=present(
                 paper,
                 "recorded.csv",
@@ -102,7 +101,7 @@ for paper in ALL:
                 "recorded_certificates.csv",
                 "errata.csv",
             ),
-            quantities=f"papers/{paper}/quantities.csv",
+            tables=[f"papers/{paper}/quantities.csv", f"papers/{paper}/paper.toml"],
             code=sources(ROOT, "compare", paper),
         output:
             captioned(paper, "published", f"results/{paper}/published.csv"),
@@ -120,9 +119,10 @@ for paper in ALL:
         name:
             f"{paper}_page"
         input:
-            results=[listing(paper, "verdicts"), listing(paper, "compare")],
+            results=listings(paper, *STEPS, "verdicts", "compare"),
             tables=tables(paper),
             csv=sorted(map(str, Path("papers", paper).glob("*.csv"))),
+            paper=f"papers/{paper}/paper.toml",
             code=sources(ROOT, "page", paper),
             lock=sorted(map(str, Path().glob("requirements.lock"))),
             templates=TEMPLATES,
@@ -143,6 +143,7 @@ for paper in ALL:
             paper
         input:
             listing(paper, "page"),
+            sources(ROOT, "check"),
         output:
             touch(f"results/{paper}/.checked"),
         log:

@@ -3,7 +3,7 @@
 
 rule report:
     input:
-        [listing(paper, "page") for paper in ALL],
+        [listings(paper, "verdicts", "compare", "page") for paper in ALL],
         sources(ROOT, "report"),
         TEMPLATES,
     output:

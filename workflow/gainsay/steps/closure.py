@@ -9,6 +9,7 @@ import csv
 import hashlib
 import io
 import re
+import tomllib
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -34,8 +35,11 @@ BY_NAME = ("gainsay.proof",)
 #: columns of a table that computations depend on; the others are for readers
 COLUMNS = {
     "claims.csv": ("id", "comparator", "quantity", "published", "unit", "tolerance"),
-    "quantities.csv": ("id", "unit", "step"),
+    "quantities.csv": ("id", "unit", "step", "requires"),
+    "parameters.csv": ("name", "type", "value", "unit", "status", "plausible"),
 }
+#: step -> entries of paper.toml that it hangs on, whole or, with a star, their names alone: captions are for readers
+ENTRIES = {"simulation": ("title", "doi", "runs"), "figures": ("journal", "figures*")}
 
 #: an import statement: at the start of a line, or after a colon or a semicolon
 _IMPORT = re.compile(
@@ -64,17 +68,21 @@ def _file(root: Path, module: str) -> Path | None:
     return None
 
 
-def _imported(path: Path) -> set[str]:
-    """Return every module that a file may import, at its top or inside a function.
+def _imported(path: Path, module: str) -> set[str]:
+    """Return every module that the file of a module may import, at its top or inside a function.
 
     Text is searched, which takes a tenth of the time of parsing: what looks like an import inside a string counts too.
     """
     names: set[str] = set()
+    package = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
     for statement in _IMPORT.finditer(path.read_text(encoding="utf-8").replace("\\\n", " ")):
         source = statement["source"]
         if source is None:
             names |= _names(statement["modules"])
         else:
+            below = source.lstrip(".")
+            if up := len(source) - len(below):  # of its own package, or of one above
+                source = ".".join([*package[: len(package) + 1 - up], *filter(None, [below])])
             names |= {source, *(f"{source}.{name}" for name in _names(statement["members"]))}
     return names
 
@@ -121,15 +129,16 @@ def _files(root: Path, module: str) -> tuple[Path, ...]:
 @cache
 def _needed(root: Path, path: Path) -> frozenset[Path]:
     """Return the files of all modules that a file may import."""
-    names = set(_imported(path))
+    names = _imported(path, _module(root, path))
     for package in BY_NAME:
         if path == _file(root, package):
-            names |= {_module(inside) for inside in path.parent.rglob("*.py")}
+            names |= {_module(root, inside) for inside in path.parent.rglob("*.py")}
     return frozenset(file for name in names for file in _files(root, name))
 
 
-def _module(path: Path) -> str:
-    parts = path.relative_to(LIBRARY.parent).with_suffix("").parts
+def _module(root: Path, path: Path) -> str:
+    above = LIBRARY.parent if path.is_relative_to(LIBRARY) else root
+    parts = path.relative_to(above).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
@@ -141,18 +150,30 @@ def sources(root: Path, step: str, paper: str | None = None) -> list[str]:
     return sorted(short_path(path, root) for path in closure(root, modules))
 
 
-def table_digest(root: Path, paper: str) -> str:
-    """Return a digest of the columns of claims and quantities that computations depend on.
+def table_digest(root: Path, paper: str, step: str) -> str:
+    """Return a digest of what of a paper's tables a step depends on: columns of tables, entries of paper.toml.
 
-    A word in a statement or a note changes nothing here, so that it makes no computation run again.
+    A word in a statement, a note or a caption changes nothing here, so that it makes no computation run again.
     """
-    digest = hashlib.sha256()
-    for table, columns in COLUMNS.items():
-        path = root / "papers" / paper / table
-        try:
-            lines = csv.DictReader(io.StringIO(read_text(path), newline=""))
-            rows = [[row.get(column) for column in columns] for row in lines]
-        except (InputError, csv.Error):
-            rows = [[str(path)]]  # whatever is wrong with it, the steps refuse it
-        digest.update(repr(rows).encode())
-    return digest.hexdigest()
+    folder = root / "papers" / paper
+    cells = [_cells(folder / table, columns) for table, columns in COLUMNS.items()]
+    entries = _entries(folder / "paper.toml", ENTRIES.get(step, ()))
+    return hashlib.sha256(repr((cells, entries)).encode()).hexdigest()
+
+
+def _cells(path: Path, columns: Iterable[str]) -> list[list[str | None]]:
+    """Cells of some columns of a table."""
+    try:
+        lines = csv.DictReader(io.StringIO(read_text(path), newline=""))
+        return [[row.get(column) for column in columns] for row in lines]
+    except (InputError, csv.Error):
+        return [[str(path)]]  # whatever is wrong with it, the steps refuse it
+
+
+def _entries(path: Path, entries: Iterable[str]) -> list[object]:
+    """Entries of paper.toml, of those with a star their names."""
+    try:
+        table = tomllib.loads(read_text(path))
+    except (InputError, tomllib.TOMLDecodeError):
+        return [str(path)]
+    return [list(table.get(name[:-1], ())) if name.endswith("*") else table.get(name) for name in entries]
