@@ -7,7 +7,7 @@ import pytest
 from gainsay.errors import ComputationError, InputError
 from gainsay.proof import build
 from gainsay.results import Results
-from gainsay.results.listing import LISTING_COLUMNS, sha256
+from gainsay.results.listing import LISTING_COLUMNS, sha256, write_listing
 from gainsay.steps.compare import compare
 from gainsay.steps.verdicts import verdicts
 from gainsay.tables.designs import FoundDesign, write_design
@@ -302,7 +302,7 @@ def put_scan(case, *values, crossing=()):
         "points": points,
     }
     write_json(case.results / "scans" / "audit.length.json", {**content, "points": points, "crossings": crossings})
-    write_csv(case.results / "parts" / "audit.files.csv", LISTING_COLUMNS, [("scans/audit.length.json", "", "", "")])
+    write_listing(case.results / "parts" / "audit.files.csv", case.results, {"scans/audit.length.json": ""})
 
 
 @pytest.mark.parametrize("change", [
