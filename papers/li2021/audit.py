@@ -49,18 +49,19 @@ def reduced_loop(case: Case, gains: Gains) -> tuple[np.ndarray, np.ndarray, np.n
 
 def vertices(case: Case, gains: Gains) -> tuple[float, float, np.ndarray]:
     """Largest disk reach and abscissa over all signs of 5 % in twelve gain factors and three inertias, and where."""
-    k, disk = plant.constants(case), disk_of(case)
-    signs = np.array(list(product((-1, 1), repeat=12)))
+    k = plant.constants(case)
+    signs, inertias = np.array(list(product((-1, 1), repeat=12))), np.array(list(product((-1, 1), repeat=3)))
     factors = 1 + case.number("delta_m") * signs
-    reach, abscissa, where = 0.0, -np.inf, np.zeros(15)
-    for delta in product((-1, 1), repeat=3):
-        loops = plant.closed_loop(plant.rigid(k, delta), gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
-        poles = np.linalg.eigvals(loops)
-        moduli = np.abs(poles + disk.centre).max(axis=-1)
-        abscissa = max(abscissa, float(poles.real.max()))
-        if moduli.max() > reach:
-            reach, where = float(moduli.max()), np.concatenate([signs[moduli.argmax()], delta])
-    return reach, abscissa, where
+    loops = np.concatenate(
+        [
+            plant.closed_loop(plant.rigid(k, delta), gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
+            for delta in inertias
+        ]
+    )
+    reach, worst = disk_of(case).farthest(loops)
+    abscissa, _ = HalfPlane().farthest(loops)
+    inertia, factor = divmod(worst, len(signs))
+    return reach, abscissa, np.concatenate([signs[factor], inertias[inertia]])
 
 
 def disk_of(case: Case) -> Disk:

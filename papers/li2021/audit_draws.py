@@ -15,11 +15,9 @@ SIMULATED = {"constant": 150, "fast": 20, "slow": 40}
 def residuals(case: Case, reading: str, name: str) -> np.ndarray:
     """Largest angle in the last 100 s of each draw of a campaign, rad; the draws are common to both controllers."""
     loop, seed = FlexibleLoop(case, plant.controller(case, name)), int(case.number("seed"))
-    rows = []
-    for number in range(SIMULATED[reading]):
-        times, states = response.redrawn(loop, response.HOLDS[reading], np.random.default_rng((seed, number)))
-        rows.append(np.abs(states[times >= times[-1] - response.WINDOW][:, response.ANGLES]).max())
-    return np.array(rows)
+    generators = [np.random.default_rng((seed, number)) for number in range(SIMULATED[reading])]
+    times, states = response.redrawn(loop, response.HOLDS[reading], generators)
+    return np.abs(states[times >= times[-1] - response.WINDOW][..., response.ANGLES]).max(axis=(0, 2))
 
 
 @task("Figures 8 and 9")

@@ -16,6 +16,8 @@ INERTIAS = {"nominal": (0, 0, 0), "heavy": (1, -1, 1), "light": (-1, 1, -1)}
 WINDOW = 100.0
 #: how long the drawn factors of the gains are held, as `redrawn` has it, by reading of Figures 8 and 9
 HOLDS = {"constant": "constant", "fast": "0.1", "slow": "1"}
+#: state matrices of redrawn gains that are assembled at once
+_AT_ONCE = 3000
 #: maps a period of the variation
 STEPS = 40
 METHOD = f"Magnus maps, {STEPS} steps a period, continuous time; band: twice the change at half the step"
@@ -143,28 +145,34 @@ class FlexibleLoop:
 
 
 def redrawn(
-    loop: FlexibleLoop, hold: str, generator: np.random.Generator, *, node: float = 1.0
+    loop: FlexibleLoop, hold: str, generators: Sequence[np.random.Generator], *, node: float = 1.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Solution with twelve factors 1 + U(0, 1), drawn once or redrawn every `hold` seconds and held.
+    """Solutions with twelve factors 1 + U(0, 1), drawn once or redrawn every `hold` seconds and held.
 
     Parameters
     ----------
     loop : FlexibleLoop
     hold : str
         ``constant``, or the length of an interval in seconds.
-    generator : numpy.random.Generator
+    generators : sequence of numpy.random.Generator
+        One a run.
     node : float
-        Largest distance of the times that are returned, s; the solution at them is exact whatever it is.
+        Largest distance of the times that are returned, s; the solutions at them are exact whatever it is.
 
     Returns
     -------
-    times, states : ndarray
+    times : ndarray, shape (N,)
+    states : ndarray, shape (N, runs, 23)
     """
     horizon = loop.case.number("horizon")
     interval = horizon if hold == "constant" else float(hold)
-    count = round(horizon / interval)
-    # the state matrix is affine in the products of channels, so every draw is assembled by itself, in one stack
-    factors = 1 + generator.random((count, 12))
-    stack = np.repeat(loop.nominal[None], count, axis=0)
-    stack[:, :20, :20] = plant.closed_loop(loop.plant, loop.gains, factors[:, :6], factors[:, 6:9], factors[:, 9:])
-    return piecewise(stack, interval, loop.start(), inner=max(1, round(interval / node)))
+    count, inner = round(horizon / interval), max(1, round(interval / node))
+    factors = 1 + np.stack([generator.random((count, 12)) for generator in generators], axis=1)
+    states = [np.tile(loop.start(), (1, len(generators), 1))]
+    for block in np.array_split(factors, -(-count * len(generators) // _AT_ONCE)):
+        # the state matrix is affine in the products of channels, so every draw is assembled by itself
+        stack = np.tile(loop.nominal, (*block.shape[:2], 1, 1))
+        channels = block[..., :6], block[..., 6:9], block[..., 9:]
+        stack[..., :20, :20] = plant.closed_loop(loop.plant, loop.gains, *channels)
+        states.append(piecewise(stack, interval, states[-1][-1], inner)[1][1:])
+    return np.arange(count * inner + 1) * (interval / inner), np.concatenate(states)

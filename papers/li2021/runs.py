@@ -114,7 +114,8 @@ def random_gains(name: str, hold: str) -> Simulate:
 
     def simulate(case: Case, designs: Mapping, log: LogWriter) -> None:
         loop = FlexibleLoop(case, plant.controller(case, name), amplitude=0.0)
-        time, states = response.redrawn(loop, hold, np.random.default_rng((int(case.number("seed")), 0)), node=NODE)
+        time, states = response.redrawn(loop, hold, [np.random.default_rng((int(case.number("seed")), 0))], node=NODE)
+        states = states[:, 0]
         stay = np.abs(states[:, ANGLES]).max(axis=1) < 10.0
         end = len(stay) if stay.all() else int(np.argmin(stay))
         if end < 3:

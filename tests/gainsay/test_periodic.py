@@ -89,6 +89,27 @@ def test_held_gains():
     assert np.allclose(piecewise(pair, 0.2, np.ones(5))[1][-1], expm(0.2 * SLOPE) @ expm(0.2 * BASE) @ np.ones(5))
 
 
+@pytest.mark.parametrize("size", [1e-9, 0.3, 3.0, 40.0, 1e3])
+def test_held_gains_of_many_runs(size):
+    # oracle: SciPy's exponentials, run by run; 1e3 is too long for a series
+    generator = np.random.default_rng(8)
+    units = 10.0 ** np.arange(-2, 3)
+    loops = size * (generator.standard_normal((4, 3, 5, 5)) - 6 * np.eye(5)) * units / units[:, None]
+    start = generator.standard_normal((3, 5)) / units
+    times, states = piecewise(loops, 0.5, start)
+    assert states.shape == (5, 3, 5) and times.tolist() == [0, 0.5, 1, 1.5, 2]
+    for run in range(3):
+        expected = [start[run]]
+        for k in range(4):
+            expected.append(expm(0.5 * loops[k, run]) @ expected[-1])
+        assert np.abs((states[:, run] - expected) * units).max() < 1e-12
+        assert np.allclose(states[:, run] * units, piecewise(loops[:, run], 0.5, start[run])[1] * units, atol=1e-12)
+    several = piecewise(loops[:1], 0.5, start, inner=2)[1]
+    assert np.abs((several[-1] - states[1]) * units).max() < 1e-12
+    with pytest.raises(InputError):
+        piecewise(loops, 0.5, start[:2])
+
+
 def test_bad_input():
     with pytest.raises(InputError):
         PeriodicSolution(varying, 0.0, np.ones(5), 1)

@@ -48,6 +48,31 @@ def test_each_of_a_stack_is_judged_as_by_its_eigenvalues(seed, n, abscissa, deca
     np.testing.assert_array_equal(HalfPlane(abscissa).each(stack)[clear], (reach < abscissa)[clear])
 
 
+@given(st.integers(0, 10_000), st.integers(1, 8), st.floats(-3.0, 3.0), st.floats(0.1, 6.0))
+def test_each_of_a_stack_is_held_against_a_disk_as_by_its_eigenvalues(seed, n, centre, radius):
+    stack = np.random.default_rng(seed).standard_normal((3, 5, n, n))
+    reach = Disk(centre, radius).reach(stack)
+    clear = np.abs(reach - radius) > 1e-9  # nearer than that either answer is rounding
+    np.testing.assert_array_equal(Disk(centre, radius).each(stack)[clear], (reach < radius)[clear])
+
+
+@given(st.integers(0, 10_000), st.integers(1, 300), st.integers(1, 6), st.integers(-9, 9))
+def test_farthest_is_the_largest_of_all_eigenvalues(seed, count, n, decades):
+    # oracle: the eigenvalues of every matrix
+    stack = 10.0**decades * np.random.default_rng(seed).standard_normal((count, n, n))
+    for region in (Disk(10.0**decades, 1.0), HalfPlane()):
+        reaches = region.reach(stack)
+        assert region.farthest(stack) == (reaches.max(), reaches.argmax())
+
+
+def test_farthest_of_matrices_that_are_alike():
+    assert Disk(1.0, 1.0).farthest(np.tile(-np.eye(3), (200, 1, 1))) == (0.0, 0)
+    assert HalfPlane().farthest(np.zeros((200, 2, 2))) == (0.0, 0)
+    spiked = np.tile(np.diag([-1.0, -2.0]), (1100, 1, 1))
+    spiked[777] = [[-1.0, 1e6], [0.0, -0.5]]
+    assert HalfPlane().farthest(spiked) == (-0.5, 777) and Disk(1.0, 1.0).farthest(spiked) == (1.0, 0)
+
+
 def test_each_near_the_axis_and_without_an_inverse():
     # 1 is an eigenvalue of the second and the size by which its Cayley transform would be taken
     turning = np.array([[-1e-12, 1.0], [-1.0, -1e-12]])

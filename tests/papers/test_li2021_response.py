@@ -62,7 +62,8 @@ def test_constant_draw_is_one_loop(case):
     # identity: with the draw's own factors the run is that of a constant loop
     still = FlexibleLoop(case, plant.controller(case, "proposed"), amplitude=0.0)
     factors = 1 + np.random.default_rng((1, 2)).random((1, 12))[0]
-    times, states = response.redrawn(still, "constant", np.random.default_rng((1, 2)))
+    times, states = response.redrawn(still, "constant", [np.random.default_rng((1, 2))])
+    states = states[:, 0]
     assert times[-1] == case.number("horizon")
     step = np.diff(states[:40], axis=0) / np.diff(times[:40])[:, None]
     assert np.isfinite(step).all()
@@ -74,10 +75,13 @@ def test_constant_draw_is_one_loop(case):
 
 def test_redrawn_nodes(case):
     still = FlexibleLoop(case, plant.controller(case, "proposed"), amplitude=0.0)
-    times, states = response.redrawn(still, "0.1", np.random.default_rng(0))
-    assert len(times) == 3001 and states.shape == (3001, 23)
+    alone = [response.redrawn(still, "0.1", [np.random.default_rng(seed)])[1] for seed in (0, 1)]
+    times, states = response.redrawn(still, "0.1", [np.random.default_rng(seed) for seed in (0, 1)])
+    assert len(times) == 3001 and states.shape == (3001, 2, 23)
     # the constant signal of the disturbance stays one
-    assert np.allclose(states[:, 22], 1.0)
+    assert np.allclose(states[..., 22], 1.0)
+    # oracle: the exponentials that a run by itself goes by
+    assert np.allclose(states, np.concatenate(alone, axis=1), rtol=1e-12, atol=1e-12 * np.abs(states).max())
 
 
 def test_quaternions_are_the_rotation_of_the_angles():

@@ -19,6 +19,8 @@ _GAUSS = np.sqrt(3) / 6
 _LOCATED = 1e-10
 #: part of the largest value, or of the spread of the values, by which a node may miss the peak beside it
 _CLOSE = 0.05
+# norm up to which the series of an exponential is summed, most parts of such a norm, and a term below rounding
+_LONGEST, _MOST_PARTS, _ROUNDING = 4.0, 16, 1e-18
 
 
 def magnus_step(A: Callable, t: float, h: float) -> np.ndarray:
@@ -254,18 +256,19 @@ def piecewise(loops: np.ndarray, hold: float, start: np.ndarray, inner: int = 1)
 
     Parameters
     ----------
-    loops : ndarray, shape (K, n, n)
-        State matrices, one an interval.
+    loops : ndarray, shape (K, ..., n, n)
+        State matrices, one an interval; further axes between are of runs side by side.
     hold : float
         Length of an interval, s.
-    start : ndarray, shape (n,)
+    start : ndarray, shape (n,) or (..., n)
+        Of all runs, or of each.
     inner : int, optional
         Nodes an interval.
 
     Returns
     -------
     times : ndarray, shape (K * inner + 1,)
-    states : ndarray, shape (K * inner + 1, n)
+    states : ndarray, shape (K * inner + 1, ..., n)
 
     Raises
     ------
@@ -273,21 +276,70 @@ def piecewise(loops: np.ndarray, hold: float, start: np.ndarray, inner: int = 1)
         If an entry is not finite, shapes do not fit, there are no loops, or a length or count is not positive.
     ComputationError
         If the state leaves double precision.
+
+    Notes
+    -----
+    Where many runs have one node an interval, no exponential is formed: its series is applied to their states at once.
     """
     if not real_number(hold, "hold") > 0 or not isinstance(inner, int | np.integer) or inner < 1:
         raise InputError("hold and inner must be positive", value=(hold, inner))
     loops, start = real_array(loops, "loops"), real_array(start, "start")
-    if loops.ndim != 3 or not len(loops) or start.ndim != 1 or loops.shape[1:] != (len(start), len(start)):
-        raise InputError(field="loops", value=loops.shape, expected=f"shape (K, n, n), K >= 1, n = {start.size}")
+    n = start.shape[-1] if start.ndim else 0
+    shape = (*loops.shape[1:-2], n)
+    if loops.ndim < 3 or not loops.size or loops.shape[-2:] != (n, n) or start.shape not in ((n,), shape):
+        raise InputError(field="loops", value=loops.shape, expected=f"shape (K, ..., n, n), K >= 1, n = {n}")
     step = hold / inner
-    states = np.empty((len(loops) * inner + 1, len(start)))
+    states = np.empty((len(loops) * inner + 1, *shape))
     states[0] = start
-    row = 0
+    row, one_run = 0, loops[0].size == n * n
     for block in np.array_split(loops, max(1, len(loops) // 500)):
-        for one in scipy.linalg.expm(block * step):
-            for _ in range(inner):
-                states[row + 1] = one @ states[row]
-                row += 1
+        through = states[row : row + inner * len(block) + 1]
+        row += inner * len(block)
+        with np.errstate(over="ignore", invalid="ignore"):  # what leaves double precision is refused below
+            if inner > 1 or one_run or not _by_series(block * step, through):
+                _by_exponentials(scipy.linalg.expm(block * step), through)
         if not np.isfinite(states[row]).all():
             raise ComputationError("held gains", f"the state leaves double precision before {row * step:g} s")
     return np.arange(len(states)) * step, states
+
+
+def _by_exponentials(exponentials: np.ndarray, states: np.ndarray) -> None:
+    """Fill states[1:] from states[0] by one exponential after the other, each used for as many nodes."""
+    nodes = (len(states) - 1) // len(exponentials)
+    for row in range(len(states) - 1):
+        states[row + 1] = (exponentials[row // nodes] @ states[row, ..., None])[..., 0]
+
+
+def _by_series(exponents: np.ndarray, states: np.ndarray) -> bool:
+    """Fill states[1:] from states[0] by the series of the exponential, one exponent after the other; False if too long.
+
+    Parameters
+    ----------
+    exponents : ndarray, shape (K, ..., n, n)
+    states : ndarray, shape (K + 1, ..., n)
+
+    Notes
+    -----
+    In the units of the states, powers of two, that balance the first exponent: norms are small there. Each exponent is
+    cut into parts of a norm of at most `_LONGEST`, and the series where what is left out is below rounding.
+    """
+    n = exponents.shape[-1]
+    units = scipy.linalg.matrix_balance(exponents.reshape(-1, n, n)[0], permute=False, separate=True)[1][0]
+    scaled = exponents * (units / units[:, None])
+    norm = float(np.abs(scaled).sum(axis=-1).max())
+    if not norm <= _LONGEST * _MOST_PARTS:
+        return False
+    parts = max(1, int(np.ceil(norm / _LONGEST)))
+    sizes = np.cumprod(norm / parts / np.arange(1, 100))  # of the terms, over that of the state
+    terms = 1 + int(np.argmax(sizes < _ROUNDING))
+    scaled /= parts
+    x = (states[0] / units)[..., None]
+    for k, matrices in enumerate(scaled):
+        for _ in range(parts):
+            term = x
+            for j in range(1, terms + 1):
+                term = matrices @ term
+                term /= j
+                x = x + term
+        states[k + 1] = x[..., 0] * units
+    return True

@@ -1,5 +1,6 @@
 """Regions of the complex plane for poles: disks and half planes."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,9 +14,13 @@ from gainsay.exact.floats import real_array, real_number
 from gainsay.systems.spectrum import is_hurwitz, is_schur, rational, rounded_eigenvalues, spectral_abscissa
 from gainsay.systems.statespace import square
 
-# squarings of a Cayley transform; the square of the norm of a power above which the small differences that a later one
-# hangs on may be lost, and nothing is read from it; matrices taken at once
-_SQUARINGS, _LARGEST_POWER, _BLOCK = 12, 1e8, 500
+# squarings of a matrix, and those after which its inverse is worth its time; the square of the norm of a power above
+# which the small differences that a later one hangs on may be lost, and nothing is read from it; matrices taken at once
+_SQUARINGS, _FIRST_SQUARINGS, _LARGEST_POWER, _BLOCK = 12, 8, 1e8, 500
+# the share of a stack whose reach is looked at before the rest is held against it: one in so many
+_LOOKED_AT = 61
+# radius of a disk that stands for its centre alone
+_TINY = 1e-300
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,42 @@ class Disk:
         A : array_like, shape (..., n, n)
         """
         return _largest(np.abs(np.linalg.eigvals(_stack(A)) + self.centre))
+
+    def farthest(self, A: ArrayLike) -> tuple[float, int]:
+        """Largest reach over a stack of matrices, and the index of the one that has it; see `each` for how it is found.
+
+        Parameters
+        ----------
+        A : array_like, shape (k, n, n), k >= 1
+
+        Returns
+        -------
+        (reach, index) : tuple of float and int
+        """
+        return _farthest(_stack(A), lambda reach: Disk(self.centre, max(reach, _TINY)))
+
+    def each(self, A: ArrayLike) -> np.ndarray:
+        """Whether every eigenvalue of each matrix of a stack lies in the disk, as far as rounding lets one see.
+
+        Parameters
+        ----------
+        A : array_like, shape (..., n, n)
+
+        Returns
+        -------
+        ndarray of bool, shape (...)
+
+        Notes
+        -----
+        By powers of C = (A + aI) / b, which cost a tenth of eigenvalues: with rho the spectral radius of C, rho^N is at
+        most the norm of C^N, and n rho^N at least the modulus of its trace. The few matrices that neither decides are
+        left to their eigenvalues.
+        """
+        return _each(self, _stack(A), self.radius)
+
+    def _by_powers(self, A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Whether the eigenvalues of each of k matrices lie in the disk, and whether powers leave that open."""
+        return _in_unit_disk((A + self.centre * np.eye(A.shape[-1])) / self.radius)
 
     def holds(self, A: ArrayLike) -> bool:
         """Whether every eigenvalue of A, or of each matrix of a stack, lies in the disk; doubles are taken exactly."""
@@ -99,6 +140,10 @@ class HalfPlane:
         """Whether every eigenvalue of A, or of each matrix of a stack, lies there; the doubles are taken exactly."""
         return all(self._holds(M) for M in _listed(A))
 
+    def farthest(self, A: ArrayLike) -> tuple[float, int]:
+        """Largest abscissa over a stack of matrices, and the index of the one that has it, as `Disk.farthest`."""
+        return _farthest(_stack(A), HalfPlane)
+
     def each(self, A: ArrayLike) -> np.ndarray:
         """Whether every eigenvalue of each matrix of a stack lies there, as far as rounding lets one see.
 
@@ -112,15 +157,19 @@ class HalfPlane:
 
         Notes
         -----
-        By powers of the Cayley transform C of A, which cost a third of eigenvalues: with rho the spectral radius of C,
-        rho^N is at most the norm of C^N, and n rho^N at least the modulus of its trace. The few matrices that
-        neither decides are left to their eigenvalues.
+        As `Disk.each`: first in a disk that touches the edge of the half plane from inside, since that takes no
+        inverse, and where this does not tell by the Cayley transform, which maps the half plane onto the unit disk.
         """
-        A = _stack(A)
-        listed = A.reshape(-1, *A.shape[-2:])
-        blocks = [listed[k : k + _BLOCK] for k in range(0, len(listed), _BLOCK)]  # each fits into a processor's cache
-        answers = [_left_of_axis(block - self.abscissa * np.eye(A.shape[-1])) for block in blocks]
-        return np.concatenate([*answers, np.zeros(0, dtype=bool)]).reshape(A.shape[:-2])
+        return _each(self, _stack(A), self.abscissa)
+
+    def _by_powers(self, A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Whether the eigenvalues of each of k matrices lie there, and whether powers leave that open."""
+        moved = A - self.abscissa * np.eye(A.shape[-1])
+        sizes = _sizes(moved)
+        inside, unknown = _in_unit_disk(moved / sizes + np.eye(A.shape[-1]), _FIRST_SQUARINGS)
+        rest = np.flatnonzero(~inside)
+        inside[rest], unknown[rest] = _in_unit_disk(_cayley(moved[rest], sizes[rest]))
+        return inside, unknown
 
     def _holds(self, A: np.ndarray) -> bool:
         poles, off = rounded_eigenvalues(A)
@@ -159,30 +208,64 @@ def _shift(value: float, size: int) -> fmpq_mat:
     return rational(np.eye(size, dtype=int)) * rational([[value]])[0, 0]
 
 
-def _left_of_axis(A: np.ndarray) -> np.ndarray:
-    """Whether the eigenvalues of each of k matrices have negative real parts, see `HalfPlane.each`."""
-    n = A.shape[-1]
-    inside, left, powers = np.zeros(len(A), dtype=bool), np.arange(len(A)), _cayley(A)
-    undecided = []
-    for _ in range(_SQUARINGS):
+def _blocks(A: np.ndarray) -> list[np.ndarray]:
+    """A stack in parts that fit into a processor's cache."""
+    return [A[k : k + _BLOCK] for k in range(0, len(A), _BLOCK)]
+
+
+def _each(region: "Disk | HalfPlane", A: np.ndarray, edge: float) -> np.ndarray:
+    """Whether each matrix of a stack has a reach below the edge of the region: by powers, and else by eigenvalues."""
+    answers = [np.zeros(0, dtype=bool)]
+    for block in _blocks(A.reshape(-1, *A.shape[-2:])):
+        inside, unknown = region._by_powers(block)
+        inside[unknown] = region.reach(block[unknown]) < edge
+        answers.append(inside)
+    return np.concatenate(answers).reshape(A.shape[:-2])
+
+
+def _farthest(A: np.ndarray, region: Callable[[float], "Disk | HalfPlane"]) -> tuple[float, int]:
+    """Largest reach of a stack and its index: eigenvalues of some, then of those not seen within what these reach."""
+    some = np.arange(0, len(A), _LOOKED_AT)
+    reaches = region(1.0).reach(A[some])
+    within = region(float(reaches.max()))
+    outside = np.concatenate([~within._by_powers(block)[0] for block in _blocks(A)])
+    looked_at = np.union1d(some[reaches.argmax()], np.flatnonzero(outside))
+    reaches = within.reach(A[looked_at])
+    best = int(reaches.argmax())
+    return float(reaches[best]), int(looked_at[best])
+
+
+def _in_unit_disk(powers: np.ndarray, squarings: int = _SQUARINGS) -> tuple[np.ndarray, np.ndarray]:
+    """Whether the eigenvalues of each of k matrices have moduli below one, and whether that stays open; `Disk.each`."""
+    n = powers.shape[-1]
+    inside, unknown, left = np.zeros(len(powers), dtype=bool), np.zeros(len(powers), dtype=bool), np.arange(len(powers))
+    for _ in range(squarings):
         powers = powers @ powers
         size, trace = np.einsum("kij,kij->k", powers, powers), np.abs(np.einsum("kii->k", powers))
         small, sound = size < 0.25, size < _LARGEST_POWER
         inside[left[small]] = True
-        undecided.append(left[~sound])
+        unknown[left[~sound]] = True
         going = sound & ~small & (trace < 2 * n)
         if not going.all():
             powers, left = powers[going], left[going]
-    rest = np.concatenate([*undecided, left])
-    inside[rest] = np.linalg.eigvals(A[rest]).real.max(axis=-1) < 0
-    return inside
+    unknown[left] = True
+    return inside, unknown
 
 
-def _cayley(A: np.ndarray) -> np.ndarray:
-    """(c I - A)^-1 (c I + A) of each of k matrices, c of its size; no numbers where one has no such inverse."""
-    n = A.shape[-1]
-    size = np.linalg.norm(A, axis=(-2, -1)) / np.sqrt(n)
-    units = np.where(size > 0, size, 1.0)[:, None, None] * np.eye(n)
+def _sizes(A: np.ndarray) -> np.ndarray:
+    """About the largest modulus of eigenvalues of each of k matrices, by its eighth power; above zero, (k, 1, 1)."""
+    norm = np.linalg.norm(A, axis=(-2, -1), keepdims=True)
+    norm = np.where(norm > 0, norm, 1.0)
+    power = A / norm
+    for _ in range(3):
+        power = power @ power
+    size = norm * np.linalg.norm(power, axis=(-2, -1), keepdims=True) ** (1 / 8)
+    return np.where(size > 0, size, norm)
+
+
+def _cayley(A: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """(c I - A)^-1 (c I + A) of each of k matrices, c its size; no numbers where one has no such inverse."""
+    units = sizes * np.eye(A.shape[-1])
     try:
         return np.linalg.solve(units - A, units + A)
     except np.linalg.LinAlgError:
