@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gainsay.dynamics import attitude
-from gainsay.simulation.linear import Peak, Response, with_harmonics
+from gainsay.simulation.linear import Consecutive, Peak, Response, with_harmonics
 from gainsay.simulation.ode import Trajectory, integrate
 from gainsay.tables import Case
 from papers.pinheiro2013.plant import GROUPS, Satellite, linear_model
@@ -100,18 +100,6 @@ def stages(poles: np.ndarray, length: float, step: float = np.inf) -> list[tuple
     return intervals
 
 
-def _largest(pieces: Sequence[tuple[float, Response]], output: np.ndarray) -> Peak:
-    """Largest modulus of a linear output over responses that begin one after another."""
-    largest = Peak(0.0, 0.0)
-    # The largest sample of all first: most turns cannot exceed it, and are not located.
-    sampled = max(float(np.abs(response.states @ output).max()) for _, response in pieces)
-    for begin, response in pieces:
-        peak = response.peak(output, max(sampled, abs(largest.value)))
-        if abs(peak.value) > abs(largest.value):
-            largest = Peak(begin + peak.time, peak.value)
-    return largest
-
-
 class Transient:
     """Free response of a stable system until its slowest mode has died out, sampled stage by stage.
 
@@ -122,21 +110,22 @@ class Transient:
     """
 
     def __init__(self, A: np.ndarray, start: np.ndarray) -> None:
-        self.pieces: list[tuple[float, Response]] = []
+        pieces: list[tuple[float, Response]] = []
         poles = np.linalg.eigvals(A)
         begin, length = 0.0, LASTS / -poles.real.max()
         for duration, steps in stages(poles, length):
             response = Response(A, start, duration, steps)
-            self.pieces.append((begin, response))
+            pieces.append((begin, response))
             begin, start = begin + duration, response.states[-1]
+        self.whole = Consecutive(pieces)
 
     def peak(self, output: np.ndarray) -> Peak:
         """Largest modulus of a linear output."""
-        return _largest(self.pieces, output)
+        return self.whole.peak(output)
 
     def last_above(self, output: np.ndarray, level: float) -> float:
         """Time after which |c x| stays below a level, s."""
-        for begin, response in reversed(self.pieces):
+        for begin, response in reversed(self.whole.pieces):
             if np.any(np.abs(response.states @ output) >= level):
                 return begin + response.last_above(output, level)
         return 0.0
@@ -177,7 +166,7 @@ class Disturbed:
         A, shape = loop_matrix(satellite, group, K), B @ acting
         rates = [k * satellite.n for k in range(1, torque.harmonics + 1)]
         self.size, poles = A.shape[0], np.linalg.eigvals(A)
-        self.pieces: list[tuple[float, Response]] = []
+        pieces: list[tuple[float, Response]] = []
         marks = [0.0, *(t for t in (torque.start, torque.end) if t < end), end]
         state = np.zeros(self.size)
         for begin, stop in pairwise(marks):
@@ -190,9 +179,10 @@ class Disturbed:
             joined = np.concatenate([state, extra])
             for duration, steps in parts:
                 response = Response(whole, joined, duration, steps)
-                self.pieces.append((begin, response))
+                pieces.append((begin, response))
                 begin, joined = begin + duration, response.states[-1]
             state = joined[: self.size]
+        self.whole = Consecutive(pieces)
 
     def samples(self) -> tuple[np.ndarray, np.ndarray]:
         """Times and states of the satellite."""
@@ -201,11 +191,12 @@ class Disturbed:
         return np.concatenate(times), np.concatenate(states)
 
     def _marked(self) -> list[tuple[float, Response, bool]]:
-        return [(begin, r, i + 1 < len(self.pieces)) for i, (begin, r) in enumerate(self.pieces)]
+        pieces = self.whole.pieces
+        return [(begin, r, i + 1 < len(pieces)) for i, (begin, r) in enumerate(pieces)]
 
     def peak(self, output: np.ndarray) -> Peak:
         """Largest modulus of a linear output of the satellite's state."""
-        return _largest(self.pieces, np.concatenate([output, np.zeros(self.pieces[0][1].A.shape[0] - self.size)]))
+        return self.whole.peak(np.concatenate([output, np.zeros(len(self.whole.pieces[0][1].A) - self.size)]))
 
 
 def paired(nominal: np.ndarray, other: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from gainsay.errors import InputError
-from gainsay.simulation.linear import Response, with_harmonics
+from gainsay.simulation.linear import Consecutive, Response, with_harmonics
 
 
 @given(st.floats(0.05, 0.9), st.floats(0.2, 3.0), st.integers(40, 400))
@@ -31,6 +31,31 @@ def test_the_largest_value_of_either_sign_has_its_closed_form(damping, w, steps)
     assert response.largest(x).value == 1
     assert response.largest(-x).value == pytest.approx(np.exp(-np.pi * damping / v), rel=1e-10)
     assert response.largest(-x).time == pytest.approx(np.pi / (v * w), rel=1e-6)
+
+
+def test_largest_of_what_is_always_negative_lies_between_samples():
+    # Closed form: cos t - 3 is largest at 2 pi, which is no sample of 0.5..12.5 in steps of 0.8.
+    swing = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 0]], dtype=float)
+    response = Response(swing, np.array([np.cos(0.5), -np.sin(0.5), 1.0]), 7.2, 9)
+    largest = response.largest(np.array([1.0, 0.0, -3.0]))
+    assert largest.value == pytest.approx(-2.0, abs=1e-12)
+    assert largest.time + 0.5 == pytest.approx(2 * np.pi, abs=1e-6)
+
+
+@given(st.integers(0, 10_000), st.lists(st.integers(1, 60), min_size=1, max_size=5))
+@settings(max_examples=30, deadline=None)
+def test_what_is_cut_into_pieces_has_the_peaks_of_the_whole(seed, cuts):
+    # identity: with the same steps the samples are the same, wherever it is cut
+    generator = np.random.default_rng(seed)
+    A, start = generator.standard_normal((4, 4)) - np.eye(4), generator.standard_normal(4)
+    whole, pieces, begin, state = Response(A, start, 0.05 * sum(cuts), sum(cuts)), [], 0.0, start
+    for steps in cuts:
+        pieces.append((begin, Response(A, state, 0.05 * steps, steps)))
+        begin, state = begin + 0.05 * steps, pieces[-1][1].states[-1]
+    parts, output = Consecutive(pieces), generator.standard_normal(4)
+    for found, expected in ((parts.peak(output), whole.peak(output)), (parts.largest(output), whole.largest(output))):
+        assert found.value == pytest.approx(expected.value, rel=1e-9)
+        assert found.time == pytest.approx(expected.time, abs=1e-6)
 
 
 @given(st.floats(0.05, 0.9), st.floats(0.2, 3.0), st.integers(40, 400))

@@ -100,48 +100,23 @@ class Response:
             raise InputError("", field="output", value=output.shape, expected=f"shape ({len(self.A)},)")
         return output
 
-    def peak(self, output: np.ndarray, above: float = 0.0) -> Peak:
+    def peak(self, output: np.ndarray) -> Peak:
         """Locate the largest modulus of a linear output c x over continuous time.
 
         Parameters
         ----------
         output : ndarray, shape (n,)
             c.
-        above : float, optional
-            A modulus that matters: where no sample's neighbourhood can exceed it, the largest sample is returned.
 
         Returns
         -------
         Peak
         """
-        return self._farthest(self._row(output), np.abs, real_number(above, "above"))
+        return Consecutive([(0.0, self)]).peak(output)
 
     def largest(self, output: np.ndarray) -> Peak:
         """Locate the largest value of a linear output c x over continuous time; that of -c is the least."""
-        return self._farthest(self._row(output), np.positive, -np.inf)
-
-    def _farthest(self, output: np.ndarray, size: Callable[[Any], Any], above: float) -> Peak:
-        """Locate where the size of an output, its modulus or itself, is largest; sizes up to `above` do not matter."""
-        slope_of = output @ self.A
-        values, slopes = self.states @ output, self.states @ slope_of
-        sizes = size(values)
-        best = int(sizes.argmax())
-        largest = Peak(best * self.step, float(values[best]))
-        turns = np.flatnonzero(slopes[:-1] * slopes[1:] < 0)
-        if not len(turns):
-            return largest
-        # A step cannot raise the output by more than its length times the larger slope at its ends.
-        most = np.maximum(sizes[turns], sizes[turns + 1])
-        most += self.step * np.maximum(np.abs(slopes[turns]), np.abs(slopes[turns + 1]))
-        worth = np.flatnonzero(most > max(float(sizes[best]), above))
-        rows = np.array([output, slope_of, slope_of @ self.A])
-        for k in worth[np.argsort(-most[worth])]:
-            if most[k] <= size(largest.value):  # nor can those that follow
-                break
-            after, value = self._turn(rows, int(turns[k]))
-            if size(value) > size(largest.value):
-                largest = Peak(int(turns[k]) * self.step + after, value)
-        return largest
+        return Consecutive([(0.0, self)]).largest(output)
 
     def _turn(self, rows: np.ndarray, index: int) -> tuple[float, float]:
         """Time after a sample at which an output turns within the step, and its value there, by Newton's method.
@@ -218,6 +193,61 @@ class Response:
         if function(self.at(low)) * function(self.at(high)) > 0:
             return float(low)
         return float(scipy.optimize.brentq(lambda t: function(self.at(t)), low, high, xtol=self._located))
+
+
+class Consecutive:
+    """Responses that follow one another in time, as one: what is largest is located over all of them.
+
+    Parameters
+    ----------
+    pieces : sequence of (float, Response)
+        When each begins, s, and what it is; all have as many states.
+    """
+
+    def __init__(self, pieces: Sequence[tuple[float, Response]]) -> None:
+        self.pieces = list(pieces)
+        counts = [len(response.states) for _, response in self.pieces]
+        self._first = np.cumsum([0, *counts[:-1]])  # number of each piece's first sample among all
+        self._steps = np.repeat([response.step for _, response in self.pieces], counts)
+        self._steps[np.cumsum(counts) - 1] = 0.0  # no step goes from a last sample
+
+    def peak(self, output: np.ndarray) -> Peak:
+        """Locate the largest modulus of a linear output c x over continuous time, as `Response.peak`."""
+        return self._farthest(output, np.abs)
+
+    def largest(self, output: np.ndarray) -> Peak:
+        """Locate the largest value of a linear output c x over continuous time, as `Response.largest`."""
+        return self._farthest(output, np.positive)
+
+    def _farthest(self, output: np.ndarray, size: Callable[[Any], Any]) -> Peak:
+        """Locate where the size of an output, its modulus or itself, is largest."""
+        output = self.pieces[0][1]._row(output)
+        values = np.concatenate([response.states @ output for _, response in self.pieces])
+        slopes = np.concatenate([response.states @ (output @ response.A) for _, response in self.pieces])
+        sizes, steepness = size(values), np.abs(slopes)
+        best = int(sizes.argmax())
+        piece, row = self._place(best)
+        begin, response = self.pieces[piece]
+        largest = Peak(begin + row * response.step, float(values[best]))
+        # A step cannot raise the output by more than its length times the larger slope at its ends.
+        most = np.maximum(sizes[:-1], sizes[1:]) + self._steps[:-1] * np.maximum(steepness[:-1], steepness[1:])
+        turns = (slopes[:-1] * slopes[1:] < 0) & (self._steps[:-1] > 0)
+        worth = np.flatnonzero(turns & (most > sizes[best]))
+        for k in worth[np.argsort(-most[worth])].tolist():
+            if most[k] <= size(largest.value):  # nor can those that follow
+                break
+            piece, row = self._place(k)
+            begin, response = self.pieces[piece]
+            rows = np.array([output, output @ response.A, output @ response.A @ response.A])
+            after, value = response._turn(rows, row)
+            if size(value) > size(largest.value):
+                largest = Peak(begin + row * response.step + after, value)
+        return largest
+
+    def _place(self, sample: int) -> tuple[int, int]:
+        """Piece and row in it of a sample of all."""
+        piece = int(np.searchsorted(self._first, sample, side="right")) - 1
+        return piece, sample - int(self._first[piece])
 
 
 def _turn_of_quintic(rise: float, first: float, last: float, bend: float, other: float) -> float:
