@@ -263,7 +263,7 @@ def least_trace_gains(plants: Stack) -> tuple[np.ndarray, np.ndarray]:
     K, X, trace = trials[best], X.reshape(_STARTS, count, *X.shape[1:])[best], traces[best]
     if not np.isfinite(trace).all():
         raise ComputationError("(21)", f"no gain at hand reaches the level of plant {np.isfinite(trace).argmin()}")
-    K, X, _ = _newton(plants, K, X, trace)
+    K, X, _ = _newton(plants, K, X, trace, _CLOSE)
     # Once more with states whose covariance is the identity: a small entry of a gain may govern a slow pole.
     T = np.linalg.cholesky(X)
     whitened = _in_states(plants, T)
@@ -289,9 +289,9 @@ def _in_states(plants: Stack, T: np.ndarray) -> Stack:
 
 
 def _newton(
-    plants: Stack, K: np.ndarray, X: np.ndarray, trace: np.ndarray
+    plants: Stack, K: np.ndarray, X: np.ndarray, trace: np.ndarray, finished: float = FINISHED
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Newton's method from gains that reach the level, with their covariances and traces.
+    """Newton's method from gains that reach the level, with their covariances and traces, until a step is small.
 
     Returns
     -------
@@ -304,22 +304,24 @@ def _newton(
     for _ in range(_STEPS):
         steps, slopes, sizes = _steps(plants[left], K[left], X[left], trace[left])
         # Close to the optimum a step squares its error, until rounding alone is left.
-        goes_on = (sizes > FINISHED) & ((sizes > _CLOSE) | (sizes < 0.5 * errors[left]))
+        goes_on = (sizes > finished) & ((sizes > _CLOSE) | (sizes < 0.5 * errors[left]))
         errors[left] = sizes
         left = left[goes_on]
         if not len(left):
             break
-        some, begin = plants[left], K[left]
-        share = np.ones(len(left))
-        for _ in range(_HALVINGS):
-            trial = begin + share[:, None, None] * steps[goes_on]
-            other, value = covariances(some, trial)
+        steps, slopes, sizes = steps[goes_on], slopes[goes_on], sizes[goes_on]
+        begin, before, tried = K[left], trace[left], np.arange(len(left))
+        for halvings in range(_HALVINGS):
+            share, now = 0.5**halvings, left[tried]
+            K[now] = begin[tried] + share * steps[tried]
+            X[now], trace[now] = covariances(plants[now], K[now])
             # What a full step near the optimum gains is less than the rounding of the trace.
             enough = np.where(
-                sizes[goes_on] < _CLOSE, np.isfinite(value), value <= trace[left] + 1e-4 * share * slopes[goes_on]
+                sizes[tried] < _CLOSE,
+                np.isfinite(trace[now]),
+                trace[now] <= before[tried] + 1e-4 * share * slopes[tried],
             )
-            if enough.all():
+            tried = tried[~enough]
+            if not len(tried):
                 break
-            share = np.where(enough, share, 0.5 * share)
-        K[left], X[left], trace[left] = trial, other, value
     return K, X, np.where(np.isfinite(trace), errors, np.inf)

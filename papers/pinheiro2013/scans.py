@@ -62,7 +62,9 @@ def rigid(case: Case) -> Callable[[Mapping], bool]:
     return test
 
 
-def as_printed(case: Case, printed: tuple[str, ...]) -> Callable[[Mapping], bool]:
+def as_printed(
+    case: Case, printed: tuple[str, ...], designs_at: Callable[[Mapping], Designs] | None = None
+) -> Callable[[Mapping], bool]:
     """Return the test whether a rigid body can have the moments, and whether the levels can be what the paper prints.
 
     Parameters
@@ -73,6 +75,8 @@ def as_printed(case: Case, printed: tuple[str, ...]) -> Callable[[Mapping], bool
         much as a design near the infimum is taken above it. ``gamma_max``: the loop of the H2 limit meets the printed
         100, so that this level gives pure H2 control. ``gamma_mixed``: it does not meet the printed 2 on either group
         of axes, so that this level gives another.
+    designs_at : callable, optional
+        Values of `DESIGN` -> designs, where they are kept for other uses.
     """
     possible = rigid(case)
     least = float(PrintedNumber(case.parameters["gamma_min"].value).low)
@@ -80,7 +84,8 @@ def as_printed(case: Case, printed: tuple[str, ...]) -> Callable[[Mapping], bool
 
     @cache
     def of_designs(*values: float | str) -> bool:
-        designs = Designs(case, dict(zip(DESIGN, values, strict=True)))
+        point = dict(zip(DESIGN, values, strict=True))
+        designs = designs_at(point) if designs_at else Designs(case, point)
         if "gamma_min" in printed and not least <= designs.gamma_min() <= level / mixed.ABOVE:
             return False
         if "gamma_max" in printed and not all(designs.h2_limit_meets(most)):
@@ -177,17 +182,19 @@ class Shared:
 
     def admissible(self, printed: tuple[str, ...]) -> Callable[[Mapping], bool]:
         """Return the test of `as_printed`, which remembers its answers over all scans."""
-        return self._admissible.setdefault(printed, as_printed(self.case, printed))
+        return self._admissible.setdefault(printed, as_printed(self.case, printed, self.designs))
+
+    def designs(self, point: Mapping) -> Designs:
+        """Return the designs at a point, one object for all scans."""
+        shape = tuple(sorted((name, value) for name, value in point.items() if name in DESIGN))
+        return self._designs.setdefault(shape, Designs(self.case, dict(shape)))
 
     def studies(self, points: Iterable[Mapping], names: Iterable[str]) -> list[Study]:
         """Return the study of each point; where the inputs shape the designs, their gains are found together."""
         keys = [tuple(sorted(point.items())) for point in points]
         for key in keys:
             if key not in self._studies:
-                shape = tuple((name, value) for name, value in key if name in DESIGN)
-                if shape not in self._designs:
-                    self._designs[shape] = Designs(self.case, dict(shape))
-                self._studies[key] = Study(self.case, dict(key), self._designs[shape])
+                self._studies[key] = Study(self.case, dict(key), self.designs(dict(key)))
         studies = [self._studies[key] for key in keys]
         new = [designs for designs in dict.fromkeys(s.designs for s in studies) if "gains" not in vars(designs)]
         if new and set(DESIGN) <= set(names):

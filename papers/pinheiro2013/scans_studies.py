@@ -13,7 +13,14 @@ from gainsay.tables import Case
 from papers.pinheiro2013 import conditions as mixed
 from papers.pinheiro2013 import conditions_gains as gains
 from papers.pinheiro2013 import response as responses
-from papers.pinheiro2013.plant import GROUPS, GeneralizedPlant, Satellite, generalized_plant, perturbed
+from papers.pinheiro2013.plant import (
+    GROUPS,
+    GeneralizedPlant,
+    Satellite,
+    generalized_plant,
+    linear_model,
+    perturbed,
+)
 
 LEVELS = ("hinf", "mixed", "h2")
 SEPARATE = ("pitch", "roll_yaw")
@@ -242,8 +249,9 @@ class Designs:
         corners = (1 + self.satellite.change * _CORNERS) * self.satellite.inertia
         # A corner that no rigid body can have is none of the plants.
         plants = [replace(self.satellite, inertia=tuple(m)) for m in corners if 2 * m.max() <= m.sum()]
-        loops = (responses.loop_matrix(p, group, K) for (_, group), K in self.gains.items() for p in plants)
-        return max(float(np.linalg.eigvals(A).real.max()) for A in loops)
+        models = {group: [linear_model(plant, group) for plant in plants] for group in SEPARATE}
+        loops = (np.array([A - B @ K for A, B in models[group]]) for (_, group), K in self.gains.items())
+        return max(float(np.linalg.eigvals(stack).real.max()) for stack in loops)
 
 
 class Study:
