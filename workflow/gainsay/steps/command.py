@@ -1,7 +1,6 @@
 """The command line that all steps share."""
 
 import argparse
-import gc
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -63,8 +62,6 @@ def step_command(work: Callable[[Case], None], about: str, arguments: Sequence[s
     parser.add_argument("paper", help="folder name below papers/, such as wan2014")
     parser.add_argument("--root", type=Path, help="project root; default: the project around the current folder")
     whole_streams()
-    # a step makes many objects that last, and Python would look for cycles among them again and again
-    gc.set_threshold(100_000, 20, 50)
     options = parser.parse_args(arguments)
     try:
         root = find_root(options.root)

@@ -2,6 +2,7 @@
 
 import tempfile
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
 from gainsay.errors import LogError
@@ -107,6 +108,7 @@ def figure_differences(case: Case, run: RunSpec, log: Log) -> Iterator[str]:
     """Draw the figures that show a run again and yield a line for every file that differs."""
     from gainsay.figures import save  # drawing costs a second to import: not where only numbers are asked for
 
+    read = cache(read_log)  # several figures show another run
     for figure in paper_module(case, "figures").FIGURES:
         if run.name not in figure.runs:
             continue
@@ -114,7 +116,7 @@ def figure_differences(case: Case, run: RunSpec, log: Log) -> Iterator[str]:
         if not all(path.is_file() for path in others):
             yield f"{figure.name}: not drawn, the log of another run is missing"
             continue
-        logs = {run.name: log, **{path.stem: read_log(path) for path in others}}
+        logs = {run.name: log, **{path.stem: read(path) for path in others}}
         with tempfile.TemporaryDirectory() as folder:
             save(figure, logs, case, Path(folder))
             for ending in ("svg", "png"):
