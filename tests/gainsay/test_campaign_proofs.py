@@ -9,10 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gainsay.campaigns import Plan
+from gainsay.campaigns import Block, Plan
+from gainsay.campaigns.box import over_boxes
 from gainsay.campaigns.feasibility import FEASIBLE, INFEASIBLE, UNDECIDED, certified, feasibility_map
 from gainsay.campaigns.interval import clopper_pearson
-from gainsay.campaigns.store import doubts, gather, gathered, write_chunk
+from gainsay.campaigns.pencil import PencilBox
+from gainsay.campaigns.store import doubts, gather, gathered, manifest_doubt, write_chunk
 from gainsay.errors import InputError
 from gainsay.lmi.candidates import candidates
 from gainsay.statements import Stated, read_constraint, symmetric
@@ -193,3 +195,89 @@ def test_a_map_over_three_inputs_has_a_panel_for_each_value_of_the_third(project
     # feasible, infeasible, undecided in each of the panels u = 1, 10, 100
     assert drawn == [[0, 4, 0], [4, 0, 0], [0, 4, 0]]
     assert [axes.get_title() for axes in figure.axes] == ["u = 1", "u = 10", "u = 100"]
+
+
+BOX = Campaign(name="b", kind="box", inputs="m=0.5..1.5; k=0.5..1.5", resolution="4", seed="", block="1", chunk="7",
+               claim="", question="q")  # fmt: skip
+
+
+def spring(case):
+    """m x' = -k x in the disk |s + 1| < 0.6: for 0.4 m < k < 1.6 m."""
+    return PencilBox(case, ("m", "k"), "-K", "m", "1", "0.6", [("K", "k")], "the pole lies in the disk")
+
+
+@pytest.fixture
+def boxed(project):
+    plan = Plan(
+        read_case(project.root, "toy"), BOX, over_boxes(("m", "k"), spring, 5, "the pole lies in the disk"), "0" * 16
+    )
+    for number in range(plan.chunks):
+        write_chunk(plan, number)
+    return plan, gather(plan)
+
+
+def test_a_box_carries_proofs_of_whole_cells_and_points_of_those_that_fail(boxed):
+    plan, manifest = boxed
+    counts = manifest["counts"]
+    # cells m, k of side 1/4 from 1/2: whole where k > 0.4 m and k < 1.6 m at the corners that are nearest, strictly
+    sides = [0.5 + 0.25 * k for k in range(5)]
+    cells = [(m, k) for m in range(4) for k in range(4)]
+    whole = [(m, k) for m, k in cells if sides[k] > 0.4 * sides[m + 1] and sides[k + 1] < 1.6 * sides[m]]
+    assert counts["cells_proved"] == counts["cells_certified"] == len(whole)
+    apart = [(m, k) for m, k in cells if sides[k + 1] <= 0.4 * sides[m] or sides[k] >= 1.6 * sides[m + 1]]
+    assert len(apart) <= counts["cells_refuted"] <= 16 - len(whole)
+    assert counts["proved"] + counts["refuted"] + counts["open"] == 16 * 32
+    assert [doubt for _, doubt in doubts(plan)] == [""] * 16
+    assert manifest["told"]["cells"].startswith(
+        f"of 16 cells {len(whole)} are proved whole, {len(whole)} of them by cert"
+    )
+    assert manifest_doubt(plan) == ""
+
+
+def test_a_cell_whose_certificates_are_not_of_it_is_found(boxed):
+    plan, _ = boxed
+    (rows,) = gathered(plan, ["index", *plan.evaluation.columns])
+    row = [{name: rows[name][k] for name in rows} for k in range(16)]
+    one, other = [k for k in range(16) if row[k]["proved"] == 32 and row[k]["certified"] == 1][:2]
+    broken = next(k for k in range(16) if row[k]["proved"] < 32 and row[k]["certified"] == 1)
+
+    def doubt(k, **changes):
+        return plan.evaluation.recheck(plan.case, Block(plan, k, 1), {**row[k], **changes})
+
+    assert "are counted" in doubt(one, certificate="")
+    assert "another cell" in doubt(one, certificate=row[other]["certificate"])
+    assert doubt(one, certificate=row[broken]["certificate"]) != ""
+    assert doubt(broken, certificate=row[one]["certificate"]) != ""
+    assert doubt(one, certificate=row[one]["certificate"].replace("0.6", "0.7")) != ""
+    assert doubt(one, certificate="{}") != ""
+    # true and accepted, but of another disk
+    wider = PencilBox(plan.case, ("m", "k"), "-K", "m", "1", "0.9", [("K", "k")], "the pole lies in the disk")
+    ends = Block(plan, one, 1).cells()[0]
+    proof = wider.proof("x", [[name, *map(str, ends[name])] for name in ("m", "k")])
+    assert "something else" in doubt(one, certificate=proof.to_json(compact=True))
+
+
+def test_the_parts_of_a_cell_cover_it(project, monkeypatch):
+    """0.407 m <= k <= 1.583 m over the whole cell: within the disk, by halves of it."""
+    row = BOX.model_copy(update={"inputs": "m=0.6..1.4; k=0.57..0.95", "resolution": "1"})
+    plan = Plan(read_case(project.root, "toy"), row, over_boxes(("m", "k"), spring, 8, "in the disk"), "0" * 16)
+    cell = Block(plan, 0, 1)
+    made = {name: values[0] for name, values in plan.evaluation.block(plan.case, cell).items()}
+    lines = made["certificate"].splitlines()
+    assert made["certified"] == len(lines) > 2
+    assert made["proved"] == 2**8
+
+    def doubt(lines):
+        return plan.evaluation.recheck(
+            plan.case, cell, {**made, "certificate": "\n".join(lines), "certified": len(lines)}
+        )
+
+    assert doubt(lines) == ""
+    assert doubt(lines[::-1]) == ""
+    for k in range(len(lines)):
+        assert "leave out a part" in doubt(lines[:k] + lines[k + 1 :])
+        assert "leave out a part" in doubt(lines[:k] + lines[k + 1 :] + [lines[k - 1]])
+    assert "leave out" not in doubt([])  # a cell need not be certified, and is counted so
+    monkeypatch.setattr("gainsay.campaigns.box.MOST_PARTS", len(lines) - 1)
+    counts = plan.evaluation.count(plan.evaluation.block(plan.case, cell))
+    assert (counts["cells_proved"], counts["cells_certified"], counts["certified"]) == (1, 0, 0)

@@ -226,13 +226,13 @@ def test_a_chunk_that_is_killed_leaves_nothing_that_counts_and_is_done_again(cas
     assert made(whole) == expected
 
 
-def test_rows_stand_in_groups_of_one_size_however_they_come(case, monkeypatch):
+def test_rows_stand_in_groups_of_one_size_however_they_come(case):
     """A group a row would have its header and its checksum each, and be read one by one."""
     import pyarrow.parquet
 
-    monkeypatch.setattr(store, "GROUP", 64)
     rows = 2 * 64 + 7
     whole = plan(case, SCAN, resolution=f"{rows}x1", block="1", chunk=str(rows))
+    whole = replace(whole, evaluation=replace(whole.evaluation, group=64))
     write_chunk(whole, 0)
     gather(whole)
     for path in (chunk_path(whole, 0), folder(whole) / "plane.parquet"):
@@ -359,7 +359,10 @@ def quarter_disk(low, high):
 
 @pytest.mark.parametrize("deepest", [0, 1, 6, 12])
 def test_volumes_of_a_box_add_up_and_enclose_the_quarter_of_a_disk(deepest):
-    found = branch(np.zeros(2), np.ones(2), quarter_disk, deepest)
+    found, parts, point = branch(np.zeros(2), np.ones(2), quarter_disk, deepest)
+    assert sum(np.prod(high - low) for low, high in parts) == found["proved"] / 2**deepest
+    assert (point is None) == (deepest < 2)
+    assert point is None or (point**2).sum() > 1
     assert found["proved"] + found["refuted"] + found["open"] == 2**deepest
     # area of a quarter of the unit disk: pi / 4
     assert found["proved"] / 2**deepest <= np.pi / 4

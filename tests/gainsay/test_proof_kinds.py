@@ -87,6 +87,38 @@ def test_stein():
     refused("stein", {"matrix": "printed('A')", "shift": "1.5", "radius": "-0.6"}, {"P": p})
 
 
+def test_descriptor_disk():
+    # E^-1 A has the eigenvalues of the printed A: |s + 1.5| = 0.5 for both
+    e = np.array([[2.0, 1.0], [0.0, 4.0]])
+    fields = {"matrix": "M @ printed('A')", "descriptor": "M", "shift": "1.5", "radius": "0.6"}
+    more = {"definitions": [("M", "[[2, 1], [0, 4]]")]}
+    p = linalg.solve_discrete_lyapunov(((A + 1.5 * I) / 0.6).T, I)
+    witness = {"P": p, "K": np.linalg.inv(e)}
+    certificate = make("descriptor_disk", fields, witness, **more)
+    assert proved(certificate) == {("radius", "less_than", "0.6"), ("stable", "holds", None)}
+    for change in ({"radius": "0.4"}, {"radius": "-0.6"}, {"shift": "0"}, {"descriptor": "-M"}, {"descriptor": "0*M"}):
+        refused("descriptor_disk", {**fields, **change}, witness, **more)
+    assert "b^2 P > 0" in refused("descriptor_disk", fields, {**witness, "P": -p}, **more)
+    refused("descriptor_disk", fields, {**witness, "K": e}, **more)
+    refused("descriptor_disk", {**fields, "descriptor": "row(M, M)"}, witness, **more)
+    refused("descriptor_disk", {**fields, "matrix": "col(M, M)", "descriptor": "col(M, M)"}, witness, **more)
+
+
+def test_descriptor_disk_over_a_box():
+    """m x' = -k x: the pole -k / m lies in |s + 1| < b for every m and k of a box, or not, at k = 1.1 and m = 0.9."""
+    farthest = 1.1 / 0.9 - 1
+    fields = {"matrix": "-k", "descriptor": "m", "shift": "1", "ranges": [["m", "0.9", "1.1"], ["k", "0.9", "1.1"]]}
+    for radius, holds in ((farthest + 0.04, True), (farthest - 1e-6, False)):
+        (make if holds else refused)("descriptor_disk", {**fields, "radius": f"{radius:.9f}"}, {"P": "1", "K": "1"})
+    # m may vanish
+    refused(
+        "descriptor_disk", {**fields, "radius": "9", "ranges": [["m", "0", "1"], ["k", "1", "1"]]}, {"P": "1", "K": "2"}
+    )
+    # affine in each number, the others held, is what the corners need
+    make("descriptor_disk", {**fields, "matrix": "-k*m", "radius": "0.2"}, {"P": "1", "K": "1"})
+    assert "k**2" in refused("descriptor_disk", {**fields, "matrix": "-k*k", "radius": "0.9"}, {"P": "1", "K": "1"})
+
+
 def test_unstable_by_inertia():
     plant = np.array([[0.0, 1.0], [2.0, -1.0]])  # eigenvalues 1 and -2
     fields = {"matrix": "[[0, 1], [2, -1]]", "alpha": "0.9"}

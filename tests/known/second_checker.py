@@ -278,7 +278,7 @@ def implication(plain, data, draw):
 
 
 FACTS = {
-    **dict.fromkeys(("lyapunov", "stein", "unstable", "eigenvalues", "not_an_eigenvalue"), lines),
+    **dict.fromkeys(("lyapunov", "stein", "descriptor_disk", "unstable", "eigenvalues", "not_an_eigenvalue"), lines),
     **dict.fromkeys(("bounded_real", "h2", "norm_at_least"), norms),
     **dict.fromkeys(("quadratic_bound", "robust_disk", "robust_norm", "contour"), uncertain),
     **dict.fromkeys(("definite", "not_definite"), definite),

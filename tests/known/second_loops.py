@@ -46,8 +46,15 @@ def eigenvalues(m):
     return mp.eig(mp.matrix(m.tolist()), left=False, right=False)
 
 
+def mp_solve(e, a):
+    """E^-1 A in many digits."""
+    size = len(a)
+    inverse = mp.matrix(np.asarray(e).tolist()) ** -1
+    return np.array([[sum(inverse[i, k] * a[k, j] for k in range(size)) for j in range(size)] for i in range(size)])
+
+
 def lines(plain, data, draw):
-    """Kinds lyapunov, stein, unstable, eigenvalues, not_an_eigenvalue: all about where eigenvalues lie."""
+    """Kinds lyapunov, stein, descriptor_disk, unstable, eigenvalues, not_an_eigenvalue: where eigenvalues lie."""
     facts, fields = (
         {"abscissa": [], "radius": [], "stable": [], "nearest": [], "eigenvalue": [], "distance": []},
         plain["fields"],
@@ -55,6 +62,8 @@ def lines(plain, data, draw):
     facts["matching"] = []
     for at in judged_at(plain, data, draw):
         found = listed(at, fields["matrix"])
+        if "descriptor" in fields:
+            found = [mp_solve(at.value(fields["descriptor"]), found[0])]
         for m in hull(found, draw) if len(found) > 1 else found:
             roots = eigenvalues(m)
             facts["abscissa"].append(max(mp.re(s) for s in roots))

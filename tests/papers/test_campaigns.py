@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 from gainsay.campaigns.box import PROVED
+from gainsay.errors import CertificateError
+from gainsay.proof import Conclusion
 from gainsay.steps.campaign import plan_digest, plan_of
 from gainsay.tables import paper_names, read_case
 from papers.li2021 import plant
 from papers.li2021.campaigns import loops_of
-from papers.li2021.campaigns_box import GainBox
+from papers.li2021.campaigns_box import INPUTS, gain_box
 
 ROOT = Path(__file__).resolve().parents[2]
 CASES = {name: read_case(ROOT, name) for name in paper_names(ROOT)}
@@ -65,7 +67,7 @@ def test_the_digest_of_code_is_the_same_in_every_process():
 
 @pytest.fixture(scope="module")
 def box():
-    return GainBox(CASES["li2021"], "proposed")
+    return gain_box(CASES["li2021"])
 
 
 def exact_loop(point):
@@ -80,18 +82,14 @@ def exact_loop(point):
     return plant.closed_loop(rigid, gains, ones + exact[3], ones[:3] + exact[4], ones[:3] + exact[5])
 
 
-@pytest.mark.parametrize("size", [1e-12, 1e-3, 0.3])
-def test_the_expansion_of_a_box_holds_all_its_loops(box, size):
-    """Against the plant in rationals, at corners and inside."""
+def test_the_pencil_of_a_box_is_that_of_the_loop_within_its_bound(box):
+    """Against the plant in rationals, an independent transcription of (10)."""
     rng = np.random.default_rng(7)
-    middle = np.array([0.2, -0.3, 0.4, 0.05, -0.1, 0.1])
-    half = size * np.array([2, 2, 2, 0.3, 0.3, 0.3])
-    loop, slopes, remainder, _ = box.expanded(middle, half)
-    for k in range(12):
-        step = half * (np.sign(rng.uniform(-1, 1, 6)) if k < 8 else rng.uniform(-1, 1, 6))
-        step = (middle + step) - middle
-        near = loop + np.tensordot(step, slopes, 1)
-        assert (np.abs((exact_loop(middle + step) - near).astype(float)) <= remainder).all()
+    for reach in (0.0, 1e-3, 1.0):
+        point = reach * rng.uniform(-1, 1, 6)
+        _, loop, _, error = box.at_middle(point, point)
+        assert (np.abs((exact_loop(point) - loop).astype(float)) <= error).all()
+        assert error.max() < 1e-10
 
 
 def test_what_is_proved_of_a_box_holds_at_its_points(box):
@@ -201,6 +199,23 @@ def test_draws_are_those_that_floating_point_finds_where_it_is_far_from_the_bord
         assert counts[f"{name}_unstable"] == int((reach > 0).sum())
 
 
+def test_a_box_and_a_point_of_it_have_certificates(box):
+    """|s + 1.01| by the plant in rationals at the point: eigenvalues rounded once."""
+    ranges = [
+        [name, low, high] for name, (low, high) in zip(INPUTS, [("-1", "1")] * 3 + [("0", "0.01")] * 3, strict=True)
+    ]
+    certificate = box.proof("x", ranges)
+    assert Conclusion("", "less_than", "1", "radius") in certificate.conclusions
+    point = [0, 0, 0, -0.3, 0, 0]
+    assert np.abs(np.linalg.eigvals(exact_loop(np.array(point)).astype(float)) + 1.01).max() > 1.1
+    violation = box.violation("x", list(zip(INPUTS, map(str, point), strict=True)))
+    assert violation.conclusions == (Conclusion("", "greater_than", "1", "radius"),)
+    with pytest.raises(CertificateError):
+        box.proof("x", [[name, str(x - 0.01), str(x + 0.01)] for name, x in zip(INPUTS, point, strict=True)])
+    with pytest.raises(CertificateError):
+        box.violation("x", [(name, "0") for name in INPUTS])
+
+
 @pytest.mark.slow
 def test_every_inertia_and_variation_of_table_1_is_proved_in_the_disk():
     """As the certificate of the printed gains says of independent variations up to 0.067, by another argument."""
@@ -212,3 +227,4 @@ def test_every_inertia_and_variation_of_table_1_is_proved_in_the_disk():
     plan = Plan(case, case.campaigns["gain-box"], CAMPAIGNS["gain-box"])
     counts = [plan.evaluation.count(plan.evaluation.block(case, block)) for block in plan.blocks()]
     assert sum(count["proved"] for count in counts) == plan.points << HALVINGS
+    assert sum(count["cells_certified"] for count in counts) == plan.points

@@ -174,7 +174,7 @@ def search(options: argparse.Namespace) -> int:
 
 
 def campaigns(options: argparse.Namespace) -> int:
-    """Say where campaigns stand, in a line each; or check manifests and the proof of every point of maps again."""
+    """Say where campaigns stand, in a line each; or check manifests and the proofs of maps and boxes again."""
     from gainsay.campaigns.status import progress
     from gainsay.campaigns.store import doubts, manifest_doubt
     from gainsay.steps.campaign import plan_of
@@ -187,11 +187,11 @@ def campaigns(options: argparse.Namespace) -> int:
             print(f"{plan.case.name}  {progress(plan)}"[:LONGEST], flush=True)
             continue
         wrong, count = [manifest_doubt(plan)], 0
-        if plan.row.kind == "map":
+        if plan.evaluation.recheck is not None:
             for count, (index, doubt) in enumerate(doubts(plan), start=1):  # noqa: B007  # the last number is said
                 wrong += [f"point {index}: {doubt}"] * bool(doubt)
         wrong = [f"{named}: {doubt}" for doubt in wrong if doubt]
-        proofs = f"{count} proofs, " if plan.row.kind == "map" else ""
+        proofs = f"proofs of {count} rows, " if count else ""
         print("\n".join([*wrong, f"{named}: {proofs}{len(wrong)} wrong"]), flush=True)
         code = DIFFERENCES if wrong else code
     return code

@@ -110,20 +110,12 @@ def _doubt(stated: Stated, row: Mapping[str, Any]) -> str:
         return str(error)
     parts = stated.parts()
     fields = {key: value for key, value in certificate.fields.items() if key == "constraints"}
-    if fields != _plain(parts["fields"]) or dict(certificate.definitions) != _plain(parts["definitions"]):
+    found = fields, dict(certificate.definitions)
+    if found != tuple(map(build.one_line, (parts["fields"], parts["definitions"]))):
         return "its certificate states another program"
     wanted = {FEASIBLE: ("feasible", "holds"), INFEASIBLE: ("farkas", "fails")}.get(row["outcome"])
     concluded = {(certificate.kind, conclusion.relation) for conclusion in certificate.conclusions}
     return "" if concluded == {wanted} else f"{row['outcome']}, but the certificate is {concluded}"
-
-
-def _plain(value: Any) -> Any:
-    """Return texts on one line, as certificates hold them."""
-    if isinstance(value, str):
-        return " ".join(value.split())
-    if isinstance(value, Mapping):
-        return {key: _plain(inner) for key, inner in value.items()}
-    return [_plain(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 def _draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> None:

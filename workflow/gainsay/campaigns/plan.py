@@ -36,12 +36,14 @@ class Evaluation:
         ``(case, block) -> columns``: a function of the tables and of the block alone.
     count : callable
         ``columns -> {name: whole number}``: counts that add up over blocks in any order.
-    told : callable
+    findings : callable
         ``(plan, counts) -> {name: number or text}``: what the counts say.
     draw : callable
         ``(figure, plan, rows) -> None``: rows are batches of columns, each a mapping of name to array, in order.
     recheck : callable, optional
         ``(case, block of one point, row) -> text``: what is wrong with a row that carries its proof, or nothing.
+    group : int, optional
+        Rows of a row group of its tables: what is held in memory at a time.
     """
 
     kind: str
@@ -52,6 +54,7 @@ class Evaluation:
     findings: Callable[["Plan", Mapping[str, int]], dict[str, Any]]
     draw: Callable[[Any, "Plan", Iterator[Mapping[str, np.ndarray]]], None]
     recheck: Callable[[Case, "Block", Mapping[str, Any]], str] | None = None
+    group: int = 4096
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,9 @@ from gainsay.errors import InputError, missing_extra
 from gainsay.results.manifest import current_manifest, manifest_path
 from gainsay.tables.files import naming, open_regular, write_json
 
-#: rows of a row group of the gathered table: what is held in memory at a time
-GROUP = 4096
 _FORMAT = "1"
 #: what a column of a type is made of, as numpy calls it: nothing is cut to a whole number, nothing read from a text
-_KINDS = {"int64": "iu", "double": "iuf", "string": "U"}
+_KINDS = {"int64": "iu", "double": "iuf"}
 
 
 def folder(plan: Plan) -> Path:
@@ -51,19 +49,21 @@ def _schema(plan: Plan) -> Any:
 def _array(field: Any, values: Sequence[Any]) -> Any:
     """Array of a column, from its bytes: an array of Python objects would load pandas, half a second a process."""
     arrow = _arrow()
+    if field.type == arrow.string():
+        if not all(isinstance(text, str) for text in values):
+            raise InputError("column", field=field.name, value=str(type(values[0])), expected=str(field.type))
+        texts = [text.encode() for text in values]
+        ends = np.cumsum([0, *map(len, texts)], dtype=np.int32)
+        return arrow.StringArray.from_buffers(len(texts), arrow.py_buffer(ends), arrow.py_buffer(b"".join(texts)))
     held = np.ascontiguousarray(values)
     if held.dtype.kind not in _KINDS[str(field.type)]:
         raise InputError("column", field=field.name, value=str(held.dtype), expected=str(field.type))
-    if field.type != arrow.string():
-        held = held.astype(field.type.to_pandas_dtype())
-        return arrow.Array.from_buffers(field.type, len(held), [None, arrow.py_buffer(held)])
-    texts = [text.encode() for text in values]
-    ends = np.cumsum([0, *map(len, texts)], dtype=np.int32)
-    return arrow.StringArray.from_buffers(len(texts), arrow.py_buffer(ends), arrow.py_buffer(b"".join(texts)))
+    held = held.astype(field.type.to_pandas_dtype())
+    return arrow.Array.from_buffers(field.type, len(held), [None, arrow.py_buffer(held)])
 
 
 class _Writer:
-    """A Parquet file under a temporary name that takes its own when it is whole; its groups are of `GROUP` rows each.
+    """A Parquet file under a temporary name that takes its own when it is whole, in groups of one number of rows.
 
     However rows come, they are put together once: a file of a group a point takes longer to write than its points.
     """
@@ -71,6 +71,7 @@ class _Writer:
     def __init__(self, path: Path, plan: Plan) -> None:
         self.arrow, self.path, self.schema = _arrow(), path, _schema(plan)
         self.waiting: list[Any] = []
+        self.group = plan.evaluation.group
         path.parent.mkdir(parents=True, exist_ok=True)
         # on a cluster two machines may write the same chunk, under the same number of a process
         self.part = path.with_name(f".{secrets.token_hex(8)}.{path.name}.part")
@@ -88,10 +89,10 @@ class _Writer:
 
     def write(self, table: Any) -> None:
         self.waiting.append(table)
-        if sum(map(len, self.waiting)) >= GROUP:
+        if sum(map(len, self.waiting)) >= self.group:
             rows = self._together()
-            whole = len(rows) - len(rows) % GROUP
-            self.file.write_table(rows[:whole], row_group_size=GROUP)
+            whole = len(rows) - len(rows) % self.group
+            self.file.write_table(rows[:whole], row_group_size=self.group)
             self.waiting = [rows[whole:]]
 
     def _together(self) -> Any:
@@ -103,7 +104,7 @@ class _Writer:
     def __exit__(self, kind: type | None, *rest: object) -> None:
         try:
             if kind is None and (rows := self._together()):
-                self.file.write_table(rows, row_group_size=GROUP)
+                self.file.write_table(rows, row_group_size=self.group)
             self.file.close()
             if kind is None:
                 self.part.replace(self.path)
@@ -276,11 +277,17 @@ def gathered(plan: Plan, columns: list[str]) -> Iterator[Mapping[str, np.ndarray
     arrow = _arrow()
     try:
         with arrow.parquet.ParquetFile(path, page_checksum_verification=True) as opened:
-            for batch in opened.iter_batches(GROUP, columns=columns):
-                yield {name: np.asarray(batch.column(name).to_pylist()) for name in columns}
+            for batch in opened.iter_batches(plan.evaluation.group, columns=columns):
+                yield {name: _values(batch.column(name)) for name in columns}
     except (OSError, KeyError, arrow.ArrowException) as error:
         file = str(path.relative_to(plan.case.root))
         raise InputError(f"damaged: {error}", file=file, expected="a gathered table; gather again") from None
+
+
+def _values(column: Any) -> np.ndarray:
+    """Values of a column; texts as objects, since an array of texts gives each the room of the longest."""
+    values = column.to_pylist()
+    return np.array(values, dtype=object) if column.type == _arrow().string() else np.asarray(values)
 
 
 def doubts(plan: Plan) -> Iterator[tuple[int, str]]:
@@ -292,7 +299,9 @@ def doubts(plan: Plan) -> Iterator[tuple[int, str]]:
         If the rows of the campaign carry no proofs, or nothing is gathered.
     """
     if plan.evaluation.recheck is None:
-        raise InputError(plan.row.name, field="kind", value=plan.row.kind, expected="a map, whose rows carry proofs")
+        raise InputError(
+            plan.row.name, field="kind", value=plan.row.kind, expected="a map or a box, whose rows carry proofs"
+        )
     names = ["index", *plan.evaluation.columns]
     for batch in gathered(plan, names):
         for k, index in enumerate(batch["index"]):

@@ -15,7 +15,18 @@ from gainsay.proof import checker
 from gainsay.proof.certificate import ON_FAITH, Certificate, Conclusion
 from gainsay.proof.completion import cancelling, has_floats, listed, on_equations, rounded, texts
 
-__all__ = ["DIGITS", "accepted", "certificate", "dual_bound", "farkas", "feasible_point", "finish", "frame", "id_of"]
+__all__ = [
+    "DIGITS",
+    "accepted",
+    "certificate",
+    "dual_bound",
+    "farkas",
+    "feasible_point",
+    "finish",
+    "frame",
+    "id_of",
+    "one_line",
+]
 
 DIGITS = (6, 9, 12, 15, 17)
 _accepted: set[tuple[str, str]] = set()
@@ -46,7 +57,7 @@ def finish(draft: Certificate, tables: Any, quantities: Mapping[str, str] | None
         If it is refused.
     """
     draft = draft.changed(
-        definitions=tuple((name, _one_line(text)) for name, text in draft.definitions), fields=_one_line(draft.fields)
+        definitions=tuple((name, one_line(text)) for name, text in draft.definitions), fields=one_line(draft.fields)
     )
     # the proof is made of what a file of it would hold, once
     draft = Certificate.from_json(draft.to_json(compact=True), draft.id)
@@ -247,13 +258,13 @@ def dual_bound(
     return _first(attempt, digits)
 
 
-def _one_line(value: Any) -> Any:
+def one_line(value: Any) -> Any:
     """Texts without line breaks: sources break formulas over lines, certificates hold them in one."""
     if isinstance(value, str):
         return " ".join(value.split())
     if isinstance(value, Mapping):
-        return {key: _one_line(inner) for key, inner in value.items()}
-    return [_one_line(inner) for inner in value] if isinstance(value, list | tuple) else value
+        return {key: one_line(inner) for key, inner in value.items()}
+    return [one_line(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 def _first(attempt: Callable[[int], Certificate], digits: Sequence[int]) -> Certificate:
