@@ -25,7 +25,7 @@ def thrust_ratio(case: Case, points: Sequence[Mapping[str, str]]) -> np.ndarray:
     ndarray, shape (number of points,)
     """
     starts = [(float(point[INPUTS[0]]), float(point[INPUTS[1]])) for point in points]
-    return np.array([flight.thrust_ratio for flight in Flights(case, starts).fly()])
+    return Flights(case, starts).thrust_ratios()
 
 
 CAMPAIGNS = {"thrust-over-starts": grid_scan(INPUTS, "thrust_ratio", thrust_ratio, 1.0)}

@@ -1,6 +1,6 @@
 """What the figures say, over every start of the observer: the paper gives none (Figures 2 to 5)."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -146,14 +146,17 @@ class Flights:
         times[fell] = grid[0]
         return positive[-1]
 
-    def _look(self, part: Segment) -> None:
-        grid = part.grid(REFINE)
-        states = part(grid)
+    def _look_at_thrust(self, part: Segment, grid: np.ndarray, states: np.ndarray) -> None:
         values = self._thrust_ratio(states, grid)
         best = values.argmax(axis=0)
         worth = np.flatnonzero(values.max(axis=0) > (1 - PEAK_WORTH) * self.ratio)
         low, high = grid[np.maximum(best - 1, 0)][worth], grid[np.minimum(best + 1, len(grid) - 1)][worth]
         self.ratio[worth] = np.maximum(self.ratio[worth], polished_peak(part, worth, low, high, self._thrust_ratio))
+
+    def _look(self, part: Segment) -> None:
+        grid = part.grid(REFINE)
+        states = part(grid)
+        self._look_at_thrust(part, grid, states)
         self._far = self._last_crossing(part, grid, self._beyond(states, grid), self._beyond, self._far, self.capture)
         self._off = self._last_crossing(part, grid, self._error(states, grid), self._error, self._off, self.settled)
         if grid[0] <= 3000.0 <= grid[-1]:
@@ -161,6 +164,18 @@ class Flights:
         if grid[0] == 0.0:
             thrust = self.loop.thrust(part(np.arange(0, FLUCTUATION + 0.025, 0.05))[..., ESTIMATE])[..., 0]
             self.fluctuations = np.abs(np.diff(thrust, axis=0)).sum(axis=0)
+
+    def _parts(self) -> Iterator[Segment]:
+        """Integrate all flights, stretch by stretch."""
+        end, atol = self.case.number("horizon"), RTOL * SIZES[:12]
+        return segments(*self.loop.many_flights(), self.starts, end, rtol=RTOL, atol=atol, length=STRETCH)
+
+    def thrust_ratios(self) -> np.ndarray:
+        """Integrate all flights and return the largest thrust over its bound of each, and nothing else of them."""
+        for part in self._parts():
+            grid = part.grid(REFINE)
+            self._look_at_thrust(part, grid, part(grid))
+        return self.ratio
 
     def fly(self) -> list[Flight]:
         """Integrate all flights and return what the sentences speak of, in the order of the starts.
@@ -170,12 +185,12 @@ class Flights:
         ComputationError
             If a flight is not captured or its estimate not settled at the end of the horizon.
         """
-        end, atol, part = self.case.number("horizon"), RTOL * SIZES[:12], None
-        for part in segments(*self.loop.many_flights(), self.starts, end, rtol=RTOL, atol=atol, length=STRETCH):
+        part = None
+        for part in self._parts():
             self._look(part)
         if part is None or self._far.any() or self._off.any():
             raise ComputationError("Figures 2 to 5", "a flight is not captured or settled at the end of the horizon")
-        final = part(np.array([end]))[0]
+        final = part(np.array([self.case.number("horizon")]))[0]
         distance = np.linalg.norm(final[:, POSITION], axis=1)
         speed = np.linalg.norm(final[:, VELOCITY], axis=1)
         columns = (self.ratio, self.range_3000s, distance, speed, self.settled / self.capture, self.fluctuations)

@@ -53,6 +53,15 @@ def test_a_paper_needs_no_campaigns(project):
         (MAP.replace(",lmi,", ",lmy,"), "claim 'lmy': expected a claim of claims.csv, 'lmi'?"),
         (DRAWS.replace(",7,", ",,"), "seed '': expected a whole number from 0, since the campaign draws"),
         (DRAWS.replace("1000", "10x10"), "resolution '10x10': expected the number of draws alone"),
+        (
+            DRAWS.replace(",1000,7,100,300,", ",1000000000,7,1,100,"),
+            "chunk '100': expected 1000 or more, since 1e+06 chunks",
+        ),
+        (MAP.replace("map", "box"), "an even range of lambda: the cells of a box are halved"),
+        (
+            MAP.replace("map,lambda=0.1..10 log", "box,lambda=1..1.000001").replace("4x3", "1000x3"),
+            "resolution '1000x3': expected cells of lambda wider than 1e-9 of its values",
+        ),
         (MAP + MAP, "expected a name not used above"),
     ],
 )

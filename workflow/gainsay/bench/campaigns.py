@@ -53,7 +53,10 @@ def _counted(meter: Meter) -> Iterator[None]:
 
     plain = feasibility.candidates
     reading = (batch.Segment, "__call__"), (batch, "polished_peak"), (batch, "polished_crossing")
-    proving = (build, "feasible_point"), (build, "farkas"), (box, "branch"), (enclosed_spectra, "resolved")
+    proving = (
+        *((build, "feasible_point"), (build, "farkas")),
+        *((box, "branch"), (box, "_proofs"), (enclosed_spectra, "resolved")),
+    )
     places: list[tuple[Any, str, Any]] = [
         (owner, name, meter.around(kind, getattr(owner, name)))
         for kind, counted in (("solving", reading), ("proving", proving))

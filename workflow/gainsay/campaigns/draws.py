@@ -11,6 +11,8 @@ from gainsay.tables import Case
 
 #: confidence level of every interval
 LEVEL = 0.95
+#: blocks whose running share a figure shows at most
+_SHOWN = 2000
 
 
 def counted_draws(
@@ -58,27 +60,30 @@ def counted_draws(
         return answers
 
     def draw(figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]]) -> None:
-        _draw(figure, rows, event, shares)
+        _draw(figure, plan, rows, event, shares)
 
     return Evaluation("draws", inputs, columns, block, count, findings, draw)
 
 
-def _draw(figure: Any, rows: Iterator[Mapping[str, np.ndarray]], event: str, shares: Mapping[str, str]) -> None:
-    """Share so far over the number of draws, with the interval at the end."""
-    draws: list[int] = []
-    counts: dict[str, list[int]] = {name: [] for name in shares}
-    open_: dict[str, list[int]] = {name: [] for name in shares}
+def _draw(
+    figure: Any, plan: Plan, rows: Iterator[Mapping[str, np.ndarray]], event: str, shares: Mapping[str, str]
+) -> None:
+    """Share so far over the number of draws, at so many of the blocks as are seen, with the interval at the end."""
+    step = -(-plan.points // (plan.block * _SHOWN))
+    names = ["draws", *(f"{name}_{kind}" for name in shares for kind in (event, "unresolved"))]
+    total, seen = np.zeros(len(names), dtype=np.int64), []
     for batch in rows:
-        draws.extend(batch["draws"])
-        for name in shares:
-            counts[name].extend(batch[f"{name}_{event}"])
-            open_[name].extend(batch[f"{name}_unresolved"])
+        so_far = total + np.cumsum([batch[name] for name in names], axis=1).T
+        seen.append(so_far[batch["index"] // plan.block % step == 0])
+        total = so_far[-1]
+    seen.append(total[None])
+    so_far_of = dict(zip(names, np.concatenate(seen).T, strict=True))
     axes = figure.subplots()
-    total = np.cumsum(draws)
     for number, (name, about) in enumerate(shares.items()):
-        share = np.cumsum(counts[name]) / total
-        low, high = clopper_pearson(int(sum(counts[name])), int(total[-1]), int(sum(open_[name])), LEVEL)
-        axes.plot(total, share, color=f"C{number}", label=f"{about}: {low:.4f} to {high:.4f}")
+        draws, occurred = so_far_of["draws"], so_far_of[f"{name}_{event}"]
+        open_ = int(so_far_of[f"{name}_unresolved"][-1])
+        low, high = clopper_pearson(int(occurred[-1]), int(draws[-1]), open_, LEVEL)
+        axes.plot(draws, occurred / draws, color=f"C{number}", label=f"{about}: {low:.4f} to {high:.4f}")
         axes.axhspan(low, high, color=f"C{number}", alpha=0.3, linewidth=0)
     axes.set_xscale("log")
     axes.set_xlabel("draws")

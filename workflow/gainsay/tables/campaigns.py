@@ -10,8 +10,8 @@ from gainsay.exact.digits import PrintedNumber
 from gainsay.tables.case import Case
 from gainsay.tables.models import Campaign
 
-#: points of a campaign at most
-MOST_POINTS = 10**12
+#: points of a campaign at most, and chunks: each is a file and a job, and all are planned at once
+MOST_POINTS, MOST_CHUNKS = 10**12, 10**6
 #: significant digits of the values of a grid: few enough to be the same decimals on every machine
 DIGITS = 6
 _INPUT = re.compile(r"(?P<name>[A-Za-z][A-Za-z0-9_]*)=(?P<low>\S+?)\.\.(?P<high>\S+?)(?P<log> log)?", re.ASCII)
@@ -58,6 +58,10 @@ class Axis:
             return math.expm1(math.log(self.high / self.low) / (count - 1)) > 10.0 ** (1 - DIGITS)
         unit = 10.0 ** (math.floor(math.log10(max(abs(self.low), abs(self.high)))) + 1 - DIGITS)
         return (self.high - self.low) / (count - 1) > unit * (1 - 1e-9)
+
+    def has_cells(self, count: int) -> bool:
+        """Whether so many cells are wide enough to be halved some twenty times in floating point."""
+        return (self.high - self.low) / count > 1e-9 * max(abs(self.low), abs(self.high))
 
     def cell(self, index: int, count: int) -> tuple[float, float]:
         """Ends of one of `count` even cells; neighbours share their end to the bit.
@@ -159,7 +163,15 @@ def faults(case: Case, row: Campaign) -> Iterator[tuple[str, object, str]]:
                     row.resolution,
                     f"values of {axis.name} that differ in {DIGITS} digits: fewer of them",
                 )
+    if row.kind == "box":
+        for axis, count in zip(axes(row), counts(row), strict=True):
+            if axis.logarithmic:
+                yield "inputs", row.inputs, f"an even range of {axis.name}: the cells of a box are halved"
+            if not axis.has_cells(count):
+                yield "resolution", row.resolution, f"cells of {axis.name} wider than 1e-9 of its values: fewer of them"
     block, chunk = whole(row, "block"), whole(row, "chunk")
+    if points > MOST_CHUNKS * chunk:
+        yield "chunk", row.chunk, f"{-(-points // MOST_CHUNKS)} or more, since {MOST_CHUNKS:.0e} chunks are the most"
     if chunk % block:
         yield "chunk", row.chunk, f"a multiple of the block of {block} points, since a chunk is whole blocks"
     if row.kind == "draws" and not re.fullmatch(r"\d{1,18}", row.seed, re.ASCII):
