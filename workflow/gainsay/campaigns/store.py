@@ -268,7 +268,7 @@ def manifest_doubt(plan: Plan) -> str:
 
 
 def gathered(plan: Plan, columns: list[str]) -> Iterator[Mapping[str, np.ndarray]]:
-    """Yield batches of some columns of the gathered table, in order."""
+    """Yield some columns of the gathered table by row group, in order."""
     path = folder(plan) / f"{plan.row.name}.parquet"
     if not path.is_file():
         raise InputError(
@@ -277,8 +277,9 @@ def gathered(plan: Plan, columns: list[str]) -> Iterator[Mapping[str, np.ndarray
     arrow = _arrow()
     try:
         with arrow.parquet.ParquetFile(path, page_checksum_verification=True) as opened:
-            for batch in opened.iter_batches(plan.evaluation.group, columns=columns):
-                yield {name: _values(batch.column(name)) for name in columns}
+            for group in range(opened.metadata.num_row_groups):  # batches of the whole file would hold much of it
+                rows = opened.read_row_group(group, columns=columns)
+                yield {name: _values(rows[name]) for name in columns}
     except (OSError, KeyError, arrow.ArrowException) as error:
         file = str(path.relative_to(plan.case.root))
         raise InputError(f"damaged: {error}", file=file, expected="a gathered table; gather again") from None
