@@ -32,7 +32,7 @@ KINDS = {
     ),
     "pole-region": (
         "all poles lie in a region",
-        "`loop_proofs.poles_in_disk`, `pole_outside_disk`; kinds `'eigenvalues'`, `'robust_disk'`",
+        "`loop_proofs.poles_in_disk`, `pole_outside_disk`; kinds `'eigenvalues'`, `'robust_disk'`, `'descriptor_disk'`",
     ),
     "norm-bound": (
         "an H-infinity or H2 norm is bounded, or what is left of every response after a time",
