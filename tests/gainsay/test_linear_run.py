@@ -61,3 +61,35 @@ def test_a_number_that_is_no_quantity_is_refused(tmp_path, names, meant):
     with pytest.raises(InputError, match=f"number of a run 'run.undershoot': expected .*{meant}"):
         logged(tmp_path, declared(*names))
     assert not (tmp_path / "nominal.mcap").exists()
+
+
+@pytest.mark.parametrize(
+    ("A", "end", "peak"),
+    [
+        # closed forms: w e^(-z w t) sin(w t) peaks near a quarter turn; e^(-a t) - e^(-2 a t) at ln 2/a, at a quarter
+        ([[0, 1.0], [-1e6, -2e-3]], 20.0, np.exp(-1e-6 * np.arccos(1e-6))),
+        ([[-1e3, 1e3], [-1e3, -1e3]], 10.0, np.exp(-np.pi / 4) * np.sqrt(0.5)),
+        ([[-1e3, 1e3], [0, -2e3]], 10.0, 0.25),
+    ],
+)
+def test_a_band_holds_what_the_mesh_of_the_log_passes_over(tmp_path, A, end, peak):
+    A = np.array(A)
+    start = np.array([0.0, 1e3 if A[0, 0] == 0 else 1.0])
+    run = linear_run(
+        "nominal",
+        lambda case, steps: Response(A, start, end, steps),
+        signals,
+        lambda case, found: {"run.peak": found.largest(np.array([1.0, 0.0])).value},
+    )
+    with LogWriter(tmp_path / "nominal.mcap", provenance={"about": "toy"}) as log:
+        run.simulate(declared("run.peak"), {}, log)
+    measured = run.measure(declared("run.peak"), read_log(tmp_path / "nominal.mcap"))["run.peak"]
+    assert measured.lower <= peak <= measured.upper
+
+
+def test_a_run_of_a_mode_that_no_mesh_follows_is_refused(tmp_path):
+    fast = Response(np.array([[-1e6]]), np.array([1.0]), 10.0, 50)
+    run = linear_run("nominal", lambda case, steps: fast, lambda case: {"/x": ({"x": "m"}, [[1.0]])}, numbers)
+    log = LogWriter(tmp_path / "nominal.mcap", provenance={"about": "toy"})
+    with pytest.raises(InputError, match=r"run nominal.* modes 1.*without modes"), log:
+        run.simulate(declared("run.undershoot"), {}, log)

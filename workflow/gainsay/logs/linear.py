@@ -1,5 +1,6 @@
 """A run of a linear system, declared in one call: what is logged, and which quantities are read off it."""
 
+import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +15,10 @@ from gainsay.logs.writer import LogWriter
 if TYPE_CHECKING:
     from gainsay.simulation.linear import Response
 
-#: steps of the second mesh for each of the first
-_SECOND = 1.7
+#: steps of the second mesh for each of the first, where the fastest mode does not ask for more; and most of them
+_SECOND, _MOST = 1.7, 400_000
+#: relative rounding of a number; and that of the exponentials, for each radian of the fastest mode
+_ROUNDING, _OF_MODE = 1e-12, 8 * float(np.finfo(float).eps)
 _METHOD = "matrix exponentials; band: another mesh"
 
 Respond = Callable[[Any, int], "Response"]
@@ -46,7 +49,9 @@ def linear_run(
     numbers : callable
         ``numbers(case, response)`` returns quantities by their ids, in SI.
     steps : int, optional
-        Of the mesh that is logged. A mesh of 1.7 times as many gives the bands.
+        Of the mesh that is logged. A mesh of 1.7 times as many gives the bands, or a finer one where the fastest mode
+        would turn by more than a radian, or fall to less than 1/e, within a step: what the first mesh passes over the
+        second one sees.
     also : callable, optional
         ``also(case, log)`` logs bounds and further events.
 
@@ -57,14 +62,20 @@ def linear_run(
     Raises
     ------
     InputError
-        When it runs: if a number is no quantity of the step simulation, or shapes do not fit.
+        When it runs: if a number is no quantity of the step simulation, shapes do not fit, or a mode is so fast that
+        no mesh of 400 000 steps follows it.
     """
 
     def simulate(case: Any, designs: Mapping[str, Any], log: LogWriter) -> None:
         response = respond(case, steps)
         for topic, (units, C) in signals(case).items():
             log.signal(topic, units, response.time, response.states @ np.atleast_2d(C).T)
-        second = numbers(case, respond(case, round(_SECOND * steps)))
+        turned = float(np.abs(np.linalg.eigvals(response.A)).max()) * response.end
+        if turned > _MOST:
+            expected = f"a system without modes that turn or decay by more than {_MOST} rad over the run"
+            raise InputError(f"run {name}", field="modes", value=turned, expected=expected)
+        log.summary("rounding", max(_ROUNDING, _OF_MODE * turned), "1")
+        second = numbers(case, respond(case, max(round(_SECOND * steps), math.ceil(turned))))
         for quantity, value in numbers(case, response).items():
             unit = _unit(case, quantity)
             log.summary(_field(quantity), value, unit)
@@ -81,7 +92,7 @@ def _measure(case: Any, log: Log) -> dict[str, Measured]:
     numbers = {}
     for quantity in (name for name in case.quantities if _field(name) in log.summaries):
         value, second = log.summaries[_field(quantity)], log.summaries[f"{_field(quantity)}_second"]
-        band = abs(value - second) + 1e-12 * abs(value)
+        band = abs(value - second) + log.summaries["rounding"] * abs(value)
         numbers[quantity] = Measured(value, _METHOD, value - band, value + band)
     return numbers
 
