@@ -119,6 +119,13 @@ def test_the_rounding_of_printed_inputs_may_explain_a_printed_number():
     assert verdict(of, evidence(value=number(1.51, 1.50, 1.52))) == "undecided"  # an error of ours explains nothing
     assert verdict(of, evidence(value=number(1.515, 1.51, 1.52, digits))) == "contradicted"
     assert verdict(claim("equal", "1.50", "ordering"), evidence(value=number(1.51, 1.50, 1.52, digits))) == "undecided"
+    # an enclosure that leaves the number no digit would hold 1.50 and -0.4 alike; beside zero the tolerance counts
+    assert verdict(of, evidence(value=number(1.6, 0.1, 3.1, digits))) == "reproduced"
+    assert verdict(of, evidence(value=number(1.6, -0.1, 3.1, digits))) == "undecided"
+    assert (
+        verdict(claim("equal", "0.00", "parameter"), evidence(value=number(0.0, -4e-3, 5.5e-3, digits))) == "reproduced"
+    )
+    assert verdict(claim("equal", "0.00", "parameter"), evidence(value=number(0.0, -9e-3, 9e-3, digits))) == "undecided"
 
 
 # --- proofs ---------------------------------------------------------------------------------------------------------

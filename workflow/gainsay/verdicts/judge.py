@@ -206,6 +206,14 @@ def _strict(claim: Claim, evidence: Evidence) -> bool:
     return any(room > 0 or (room == 0 and strict) for room, strict in ends)
 
 
+def _within_digits(claim: Claim, number: ComputedQuantity | None, tolerance: Fraction) -> bool:
+    """Say whether what encloses a number is the rounding of printed digits, and leaves it a digit: else all fits."""
+    if claim.kind not in _DIGITS or number is None or not number.method.startswith(FROM_DIGITS):
+        return False
+    low, high = _ends(number)
+    return (high - low) / 2 < max(abs(low + high) / 2, tolerance)
+
+
 def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     """Judge a number by the range that its evidence gives it."""
     number = evidence.numbers.get(claim.quantity)
@@ -248,7 +256,7 @@ def _judge_number(case: Case, claim: Claim, evidence: Evidence) -> Judgement:
     if outcomes[0] is False and outcomes[-1]:
         witness = f"depends on the threshold, {claim.published} {claim.unit}: turns at {text}"
         return Judgement("undetermined", witness=witness, **shared)
-    if claim.kind in _DIGITS and number is not None and number.method.startswith(FROM_DIGITS) and outcomes[-1] is None:
+    if _within_digits(claim, number, readings[0].tolerance) and outcomes[-1] is None:
         note = "within the rounding of the digits that the paper prints, of its inputs and of this value"
         return Judgement("reproduced", note=note, **shared)
     if claim.kind in PROVED:
