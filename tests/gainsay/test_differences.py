@@ -233,6 +233,35 @@ def test_nothing_leaves_the_record_while_something_was_not_computed(clean):
     assert clean.file("recorded.csv").read_bytes() == before
 
 
+def gained(project, value, identified=True):
+    """Run with a printed gain that the audit gives again."""
+    case = run(project)
+    results = Results(case, "audit")
+    for quantity, computed in COMPUTED.items():
+        results.quantity(quantity, computed, method="m")
+    K = case.printed("K")
+    results.gains("K", published=K, resynthesised=np.full((2, 2), value), identified=np.full((2, 2), identified))
+    results.close()
+    verdicts(case)
+    return case
+
+
+def test_how_a_printed_entry_came_out_is_on_record(clean):
+    lines = list(record_paper(gained(clean, 7.0)))
+    assert "gain K(2,2): 7 reproduced" in lines  # K prints 7 there, and other numbers elsewhere
+    assert "gain K(1,1): 1.50 undetermined" in lines
+    assert items(clean) == set()
+    gained(clean, 7.6)
+    assert items(clean) == {("published", "gain K(2,2)")}
+    gained(clean, 7.1)  # it rounds to 7
+    assert items(clean) == set()
+    gained(clean, 7.0, identified=False)
+    assert items(clean) == {("published", "gain K(2,2)")}
+    run(clean)  # nothing is held against it any more
+    assert ("published", "gain K(2,2)") in items(clean)
+    assert "gain K(2,2): off the record" in list(record_paper(clean.case()))
+
+
 def test_nothing_goes_on_record_while_a_file_is_not_as_its_step_left_it(clean):
     case = clean.case()
     before = clean.file("recorded.csv").read_bytes()

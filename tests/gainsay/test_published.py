@@ -12,6 +12,7 @@ from gainsay.steps.verdicts import verdicts
 from gainsay.tables.reading import PrintedMatrix
 from gainsay.verdicts.published import (
     PUBLISHED_COLUMNS,
+    _is_published,
     pole_verdict,
     published_rows,
     record_line,
@@ -98,6 +99,17 @@ def test_claims_with_a_number_stand_and_those_without_do_not(rows):
     assert claims["length"]["verdict"] == "contradicted" and claims["length"]["units_of_last_digit"] == "2.0"
     assert (claims["peak"]["what"], claims["peak"]["low"], claims["peak"]["high"]) == ("response", "39.4", "39.6")
     assert all(tuple(row) == PUBLISHED_COLUMNS for row in rows.values())
+
+
+@pytest.mark.parametrize(
+    ("comparator", "published", "reading", "stands"),
+    [("at_most", "2", "", True), ("at_most", "2", "bands in use", False), ("at_most", "0.0", "", False),
+     ("equal", "0", "", True), ("inside", "1..2", "", True), ("inside", "1..2", "bands in use", False)],
+)  # fmt: skip
+def test_a_number_that_the_paper_does_not_print_is_not_published(project, comparator, published, reading, stands):
+    claim = project.case().claims["bound"]
+    changed = claim.model_copy(update={"comparator": comparator, "published": published, "reading": reading})
+    assert _is_published(project.case(), changed) == stands
 
 
 def test_the_summary_counts_every_row_once(rows):

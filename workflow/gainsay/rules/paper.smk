@@ -99,6 +99,7 @@ for paper in ALL:
                 "recorded_scans.csv",
                 "recorded_reads.csv",
                 "recorded_certificates.csv",
+                "recorded_published.csv",
                 "errata.csv",
             ),
             tables=[f"papers/{paper}/quantities.csv", f"papers/{paper}/paper.toml"],

@@ -16,6 +16,7 @@ _TABLES = {
     "quantity": "quantities.csv",
     "erratum": "errata.csv",
     "certificate": "recorded_certificates.csv",
+    "published": "recorded_published.csv",
 }
 
 

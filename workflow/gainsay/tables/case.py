@@ -22,6 +22,7 @@ from gainsay.tables.models import (
     Quantity,
     Recorded,
     RecordedCertificate,
+    RecordedPublished,
     RecordedRead,
     RecordedScan,
     Reply,
@@ -65,6 +66,7 @@ class Case:
     recorded_scans : mapping of (claim, item) to RecordedScan
     recorded_reads : mapping of (quantity, parameter) to RecordedRead
     recorded_certificates : mapping of certificate to RecordedCertificate
+    recorded_published : mapping of (what, entry) to RecordedPublished
     designs : mapping of name to Design
         Gains that a search found.
     campaigns : mapping of name to Campaign
@@ -84,6 +86,7 @@ class Case:
     recorded_scans: Mapping[tuple[str, str], RecordedScan]
     recorded_reads: Mapping[tuple[str, str], RecordedRead]
     recorded_certificates: Mapping[str, RecordedCertificate]
+    recorded_published: Mapping[tuple[str, str], RecordedPublished]
     designs: Mapping[str, Design]
     campaigns: Mapping[str, Campaign]
     _matrices: Mapping[str, PrintedMatrix] = field(repr=False)

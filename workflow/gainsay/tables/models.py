@@ -289,6 +289,18 @@ class RecordedCertificate(Row):
     )
 
 
+class RecordedPublished(Row):
+    """How an entry of a gain or a pole that the paper prints came out, on record; written by `make record` alone.
+
+    Claims have their verdict in claims.csv, and what nothing can be held against has none.
+    """
+
+    what: Literal["gain", "pole"] = Field(description="what is printed")
+    entry: Filled = Field(description="the entry, as in published.csv")
+    published: Filled = Field(description="the digits as printed")
+    verdict: Verdict = Field(description="the verdict on record")
+
+
 class Campaign(Row):
     """A computation too large for a run of the workflow: evaluated in blocks, by chunks, here or on a cluster."""
 
@@ -370,5 +382,6 @@ TABLES: dict[str, type[Row]] = {
     "recorded_scans.csv": RecordedScan,
     "recorded_reads.csv": RecordedRead,
     "recorded_certificates.csv": RecordedCertificate,
+    "recorded_published.csv": RecordedPublished,
     "campaigns.csv": Campaign,
 }

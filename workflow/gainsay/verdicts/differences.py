@@ -6,7 +6,7 @@ from gainsay.results.returned import read_returned
 from gainsay.tables import Case
 from gainsay.tables.models import Toleranced
 from gainsay.verdicts.errata import unsaid
-from gainsay.verdicts.record import certificates_of, reads_of, scan_items, scans_of
+from gainsay.verdicts.record import certificates_of, outcomes_of, reads_of, scan_items, scans_of
 from gainsay.verdicts.tolerance import allowed, share
 
 DIFFERENCE_COLUMNS = ("paper", "what", "item", "expected", "found", "note")
@@ -75,6 +75,17 @@ def _read_differences(case: Case) -> Iterator[Difference]:
             yield case.name, "input", " ".join(key), recorded, reads.get(key, ""), note
 
 
+def _published_differences(case: Case) -> Iterator[Difference]:
+    """Hold how every printed entry and pole came out against the record."""
+    found = outcomes_of(case)
+    for key in {**found, **case.recorded_published}:
+        recorded, (published, verdict) = case.recorded_published.get(key), found.get(key, ("", ""))
+        if recorded is None:
+            yield case.name, "published", " ".join(key), "", verdict, NEW
+        elif (recorded.published, recorded.verdict) != (published, verdict):
+            yield case.name, "published", " ".join(key), recorded.verdict, verdict, f"printed as {recorded.published}"
+
+
 def _statement_differences(case: Case) -> Iterator[Difference]:
     """Hold what each certificate states against the record: one that states something else proves something else."""
     digests = certificates_of(case)
@@ -128,6 +139,7 @@ def differences(case: Case) -> list[Difference]:
     rows += scan_differences(case)
     rows += _read_differences(case)
     rows += _statement_differences(case)
+    rows += _published_differences(case)
     wanted = [f"logs/{run}.{ending}" for run in case.paper.runs for ending in ("mcap", "rrd")]
     wanted += [f"figures/{figure}.{ending}" for figure in case.paper.figures for ending in ("svg", "png")]
     for file in wanted:

@@ -47,10 +47,15 @@ LINES = {
     "response": "responses",
     "parameter": "parameters",
 }
-_NOUNS = {"quantity": "number", "failure": "failed computation", "erratum": "erratum's witness"}
+_NOUNS = {
+    "quantity": "number",
+    "failure": "failed computation",
+    "erratum": "erratum's witness",
+    "published": "published number",
+}
 
 #: what `gainsay record` puts on record
-_RECORDED = ("quantity", "scan", "input", "certificate")
+_RECORDED = ("quantity", "scan", "input", "certificate", "published")
 
 Row = Mapping[str, str]
 
@@ -154,8 +159,14 @@ def _pole_rows(case: Case) -> Iterator[dict[str, str]]:
 
 
 def _is_published(case: Case, claim: Claim) -> bool:
-    """Say whether a claim publishes a number: no yes or no, and none that only compares two of ours."""
+    """Say whether a claim publishes a number: no yes or no, and none that only compares two of ours.
+
+    A threshold that is our reading of a word is printed nowhere, nor is a bound of zero, which says that something
+    vanishes.
+    """
     if claim.kind not in WHAT or claim.comparator not in ("equal", "at_most", "at_least", "inside"):
+        return False
+    if claim.reading or (claim.comparator in ("at_most", "at_least") and PrintedNumber(claim.published).value == 0):
         return False
     return not case.quantities[claim.quantity].meaning.startswith("whether")
 
@@ -186,6 +197,11 @@ def _claim_rows(case: Case) -> Iterator[dict[str, str]]:
         )
 
 
+def entry_rows(case: Case) -> list[dict[str, str]]:
+    """Return a row for every entry of a gain and every pole that a paper prints; keys as in `PUBLISHED_COLUMNS`."""
+    return [*_gain_rows(case), *_unidentified_rows(case), *_pole_rows(case)]
+
+
 def published_rows(case: Case) -> list[dict[str, str]]:
     """Return a row for every number that a paper publishes, held against one of ours where there is one.
 
@@ -199,7 +215,7 @@ def published_rows(case: Case) -> list[dict[str, str]]:
     InputError
         If a results table is missing or malformed.
     """
-    return [*_gain_rows(case), *_unidentified_rows(case), *_pole_rows(case), *_claim_rows(case)]
+    return [*entry_rows(case), *_claim_rows(case)]
 
 
 def summary(rows: Iterable[Row]) -> list[str]:
@@ -248,7 +264,11 @@ def record_sentence(differences: Sequence[Sequence[str]]) -> str:
     ]
     verb = "differs" if len(differences) == 1 else "differ"
     sentence = f"{' and '.join(parts)} {verb} from the record"
-    return sentence if any(counts["verdict"] for counts in papers.values()) else f"{sentence}, no verdict does"
+    return (
+        sentence
+        if any(counts["verdict"] + counts["published"] for counts in papers.values())
+        else f"{sentence}, no verdict does"
+    )
 
 
 def record_line(differences: Sequence[Sequence[str]], folders: Sequence[str] = ("results",)) -> str:

@@ -11,9 +11,21 @@ from gainsay.results.returned import STEPS, read_part, read_returned
 from gainsay.scans.outcome import Outcome, outcomes, read_scans
 from gainsay.tables import Case
 from gainsay.tables.files import cell, write_csv
-from gainsay.tables.models import Recorded, RecordedCertificate, RecordedRead, RecordedScan, Toleranced, columns
+from gainsay.tables.models import (
+    Recorded,
+    RecordedCertificate,
+    RecordedPublished,
+    RecordedRead,
+    RecordedScan,
+    Toleranced,
+    columns,
+)
 from gainsay.tables.units import with_unit
+from gainsay.verdicts.published import entry_rows
 from gainsay.verdicts.tolerance import ROUNDING, decimal_above, proposed
+
+#: tables whose rows are named by two columns
+_BY_TWO = ("recorded_scans", "recorded_reads", "recorded_published")
 
 
 def scan_items(scan: Outcome) -> dict[str, tuple[str, bool]]:
@@ -148,6 +160,19 @@ def _certificate_rows(case: Case) -> Iterator[tuple[tuple[str, ...], str]]:
         yield (certificate, formulas), line
 
 
+def outcomes_of(case: Case) -> dict[tuple[str, str], tuple[str, str]]:
+    """Return digits and verdict of every printed entry and pole held against one of ours, by what it is and entry."""
+    rows = (row for row in entry_rows(case) if row["verdict"] != "uncheckable")
+    return {(row["what"], row["entry"]): (row["published"], row["verdict"]) for row in rows}
+
+
+def _published_rows(case: Case) -> Iterator[tuple[tuple[str, ...], str]]:
+    for key, found in outcomes_of(case).items():
+        before = case.recorded_published.get(key)
+        same = before is not None and (before.published, before.verdict) == found
+        yield (*key, *found), "" if same else f"{' '.join(key)}: {' '.join(found)}"
+
+
 def record_paper(case: Case) -> Iterator[str]:
     """Write what is on record of a paper from its results, keeping tolerances, and yield a line for every change.
 
@@ -167,12 +192,13 @@ def record_paper(case: Case) -> Iterator[str]:
             list(_certificate_rows(case)),
             case.recorded_certificates,
         ),
+        "recorded_published": (columns(RecordedPublished), list(_published_rows(case)), case.recorded_published),
     }
     changed = 0
     for name, (header, rows, before) in tables.items():
         write_csv(case.folder / f"{name}.csv", header, [row for row, _ in rows])
         lines = [line for _, line in rows if line]
-        kept = {row[:2] if name in ("recorded_scans", "recorded_reads") else row[0] for row, _ in rows}
+        kept = {row[:2] if name in _BY_TWO else row[0] for row, _ in rows}
         lines += [
             f"{key if isinstance(key, str) else ' '.join(key)}: off the record" for key in before if key not in kept
         ]
