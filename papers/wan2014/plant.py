@@ -8,15 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from gainsay.dynamics.relative_orbit import KeplerOrbit, clohessy_wiltshire, relative_acceleration, thrust_input
-from gainsay.simulation.batch import Rest, alone
 from gainsay.simulation.ode import Trajectory, integrate, largest, last_crossing
 from gainsay.tables import Case
 
 #: positions of the states of `ClosedLoop` in its state vector
 POSITION, VELOCITY, ESTIMATE = slice(0, 3), slice(3, 6), slice(6, 12)
 ANOMALY, COST, DELTA_V, SQUARED_ERROR = 12, 13, 14, 15
-#: typical sizes of the states, to which absolute tolerances are relative: m, m/s and those of the integrals
-SIZES = np.array([1.0, 1.0, 1.0, 1e-2, 1e-2, 1e-2] * 2 + [1.0, 1e6, 1.0, 1e3])
 #: position of the force behind the states of plant and observer
 FORCE = slice(12, 15)
 AXES = ("x", "y", "z")
@@ -145,63 +142,23 @@ class ClosedLoop:
 
         return derivative
 
-    def many_flights(self) -> tuple[np.ndarray, np.ndarray, Rest]:
-        """Return `linear`, `entry` and `rest` of `gainsay.simulation.batch.segments`, without clipping and integrals.
+    def many_flights(self) -> tuple[np.ndarray, np.ndarray, Callable[[np.ndarray, np.ndarray], np.ndarray]]:
+        """Return (7), (10) and the two-body plant as `linear`, `entry` and `rest` of `simulation.batch.segments`.
 
-        The states are [x; estimate]. Linear are the plant (1) with the printed n, the observer and the control law; the
-        rest is what the acceleration has beyond (1).
+        The states are [x; estimate], the thrust is not clipped. Linear are the plant (1) with the printed n and the
+        observer; the rest is what the acceleration of the two-body problem has beyond (1).
         """
         orbit, C, A, B = target_orbit(self.case), self.case.matrix("C"), self.model.A, self.model.B
-        start, beyond = self.case.number("mean_anomaly_at_start"), self._beyond_design_model()
+        start = self.case.number("mean_anomaly_at_start")
         linear = np.block([[A, -B @ self.K], [self.L @ C, A - self.L @ C - B @ self.K]])
 
         def rest(times: np.ndarray, states: np.ndarray) -> np.ndarray:
             anomalies = [true_anomaly(start + orbit.mean_motion * t, orbit.eccentricity) for t in times.tolist()]
-            return beyond(times, states[..., :6], np.array(anomalies)[:, None])
+            position, velocity = np.moveaxis(states[..., POSITION], -1, 0), np.moveaxis(states[..., VELOCITY], -1, 0)
+            free = relative_acceleration(orbit, np.array(anomalies)[:, None], position, velocity)
+            return np.stack(free, axis=-1) - states[..., :6] @ A[VELOCITY].T
 
         return linear, np.eye(12)[:, VELOCITY], rest
-
-    def one_flight(self) -> tuple[np.ndarray, np.ndarray, Rest]:
-        """Return the same for the 16 states: the target's motion and the integrals are part of the rest."""
-        orbit, mass, beyond = target_orbit(self.case), self.case.number("mass"), self._beyond_design_model()
-        Q, R = self.case.matrix("Q"), self.case.matrix("R")
-        linear = np.zeros((16, 16))
-        linear[:12, :12] = self.many_flights()[0]
-
-        def rest(times: np.ndarray, states: np.ndarray) -> np.ndarray:
-            x, estimate, anomaly = states[..., :6], states[..., ESTIMATE], states[..., ANOMALY]
-            force, error = estimate @ self._feedback, x - estimate
-            found = np.empty((*anomaly.shape, 7))
-            found[..., :3] = beyond(times, x, anomaly)
-            found[..., 3] = orbit.angular_momentum / orbit.radius(anomaly) ** 2
-            found[..., 4] = ((x @ Q) * x).sum(-1) + ((force @ R) * force).sum(-1)
-            found[..., 5] = np.sqrt((force**2).sum(-1)) / mass
-            found[..., 6] = (error**2).sum(-1)
-            return found
-
-        return linear, np.eye(16)[:, [3, 4, 5, ANOMALY, COST, DELTA_V, SQUARED_ERROR]], rest
-
-    def _beyond_design_model(self) -> Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]:
-        """Return the acceleration beyond (1), (s, m, 3) m/s^2, over times (s,), states (s, m, 6) and true anomalies."""
-        orbit, A = target_orbit(self.case), self.model.A
-        e, n = self.case.number("eccentricity"), self.case.number("mean_motion")
-        start_anomaly = self.case.number("mean_anomaly_at_start")
-
-        def noncircular(times: np.ndarray, x: np.ndarray, anomaly: np.ndarray) -> np.ndarray:
-            parts = np.array([noncircular_part(e, n, n * t + start_anomaly)[VELOCITY] for t in times.tolist()])
-            return x @ parts.swapaxes(1, 2)
-
-        def two_body(times: np.ndarray, x: np.ndarray, anomaly: np.ndarray) -> np.ndarray:
-            columns = x.transpose(2, 0, 1)
-            free = relative_acceleration(orbit, anomaly, columns[POSITION], columns[VELOCITY])
-            return np.array(free).transpose(1, 2, 0) - x @ A[VELOCITY].T
-
-        return noncircular if self.linear else two_body
-
-    def start(self, estimate: np.ndarray) -> np.ndarray:
-        """Return the 16 states at the printed start for an estimate, shape (6,)."""
-        anomaly = true_anomaly(self.case.number("mean_anomaly_at_start"), self.case.number("eccentricity"))
-        return np.concatenate([self.case.matrix("x0").ravel(), estimate, [anomaly, 0.0, 0.0, 0.0]])
 
     def kinks(self) -> tuple:
         """Return the functions at whose zeros clipping begins or ends."""
@@ -213,9 +170,7 @@ class ClosedLoop:
             for side in (1, -1)
         )
 
-    def simulate(
-        self, estimate: np.ndarray, end: float, *, rtol: float = 1e-11, method: str | None = None
-    ) -> Trajectory:
+    def simulate(self, estimate: np.ndarray, end: float, *, rtol: float = 1e-11, method: str = "DOP853") -> Trajectory:
         """Integrate from the printed initial state.
 
         Parameters
@@ -226,14 +181,14 @@ class ClosedLoop:
             s.
         rtol : float
             Relative tolerance; the absolute ones are rtol times the size of each state.
-        method : str, optional
-            Of `gainsay.simulation.ode.integrate`; if left out, collocation, or DOP853 where the thrust is clipped.
         """
-        start, atol = self.start(estimate), rtol * SIZES
-        if method is None and not self.clipped:
-            return alone(*self.one_flight(), start, end, rtol=rtol, atol=atol)
-        f, method = self.right_hand_side(), method or "DOP853"
-        return integrate(f, start, end, rtol=rtol, atol=atol, method=method, kinks=self.kinks())
+        x0 = self.case.matrix("x0").ravel()
+        anomaly = true_anomaly(self.case.number("mean_anomaly_at_start"), self.case.number("eccentricity"))
+        start = np.concatenate([x0, estimate, [anomaly, 0.0, 0.0, 0.0]])
+        size = np.concatenate([np.full(3, 1.0), np.full(3, 1e-2), np.full(3, 1.0), np.full(3, 1e-2), [1, 1e6, 1, 1e3]])
+        return integrate(
+            self.right_hand_side(), start, end, rtol=rtol, atol=rtol * size, method=method, kinks=self.kinks()
+        )
 
 
 def true_anomaly(mean_anomaly: float, eccentricity: float) -> float:

@@ -310,7 +310,7 @@ def linear_quadratic(case: Case, results: Results) -> None:
         "lqr.weight", weight, method="root of largest |f_x| = 40 N, two-body plant", source="(5), Section 4"
     )
     cost = plant.closed_loop_cost(case, K, case.matrix("L"))
-    results.quantity("lqr.cost", cost, method="collocation, two-body plant, 20 000 s", source="(4), Section 4")
+    results.quantity("lqr.cost", cost, method="DOP853, two-body plant, 20 000 s", source="(4), Section 4")
     results.say("LQR", f"r = {weight:.4f}, J = {cost:.6e}")
 
 

@@ -5,8 +5,7 @@ import pytest
 import scipy
 
 from gainsay.errors import ComputationError, InputError
-from gainsay.simulation.batch import alone, polished_crossing, polished_peak, segments
-from gainsay.simulation.ode import largest
+from gainsay.simulation.batch import polished_crossing, polished_peak, segments
 from gainsay.simulation.radau import Radau
 
 RATES = np.array([0.3, 1.0, 2.5])
@@ -99,23 +98,6 @@ def test_pendulums_fly_as_scipy_flies_them():
                 lambda t, x: [x[1], -np.sin(x[0])], (0, 12), start, "DOP853", rtol=1e-12, atol=1e-12, dense_output=True
             )
             np.testing.assert_allclose(segment(times)[:, flight], alone.sol(times).T, atol=2e-9)
-
-
-def test_one_flight_alone_is_a_trajectory():
-    # x'' + x = t from 0 at speed 2 is sin t + t
-    def rest(times, states):
-        return np.broadcast_to(times[:, None, None], (len(times), 1, 1))
-
-    linear, start = np.array([[0.0, 1.0], [-1.0, 0.0]]), np.array([0.0, 2.0])
-    flight = alone(linear, ENTRY, rest, start, 9.0, rtol=1e-11, atol=np.full(2, 1e-12))
-    times = np.linspace(0, 9, 50)
-    wanted = np.stack([np.sin(times) + times, np.cos(times) + 1], axis=1)
-    np.testing.assert_allclose(flight(times), wanted, atol=1e-10)
-    np.testing.assert_allclose(flight(4.0), [np.sin(4.0) + 4, np.cos(4.0) + 1], atol=1e-10)
-    time, value = largest(flight, lambda t, x: np.where(t > 3, x[:, 1], 0.0))  # cos t + 1 is 2 at 2 pi
-    assert (time, value) == (pytest.approx(2 * np.pi, abs=1e-4), pytest.approx(2, abs=1e-9))
-    with pytest.raises(InputError, match="start"):
-        alone(linear, ENTRY, rest, [["a", 0.0]], 9.0, rtol=1e-11, atol=np.full(2, 1e-12))
 
 
 @pytest.mark.parametrize("stages", range(2, 10))

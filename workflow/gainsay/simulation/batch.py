@@ -13,7 +13,6 @@ import numpy as np
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.exact.floats import real_array, real_number
-from gainsay.simulation.ode import Trajectory
 from gainsay.simulation.radau import Radau, Step
 
 #: g(times (s,), states (s, m, n)) -> (s, m, q)
@@ -152,20 +151,6 @@ def segments(
             slopes.append(slope)
             state = following
         yield Segment(np.array(steps), np.array(before), np.array(slopes))
-
-
-def alone(
-    linear: np.ndarray, entry: np.ndarray, rest: Rest, start: np.ndarray, end: float, *, rtol: float, atol: np.ndarray
-) -> Trajectory:
-    """Integrate one flight from `start`, shape (n,), kept whole; all else as in `segments`."""
-    states = real_array(start, "start")[None]
-    (segment,) = segments(linear, entry, rest, states, end, rtol=rtol, atol=atol, length=end)
-
-    def piece(time: float | np.ndarray) -> np.ndarray:
-        states = segment(np.atleast_1d(time))[:, 0].T
-        return states if np.ndim(time) else states[:, 0]
-
-    return Trajectory(np.array([0.0, end]), (piece,), segment.steps)
 
 
 @dataclass

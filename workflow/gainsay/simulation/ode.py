@@ -51,14 +51,13 @@ class Trajectory:
     ----------
     ends : ndarray, shape (pieces + 1,)
         Times at which pieces begin and end, s.
-    pieces : tuple of callables
-        State, shape (n,), at a time, or (n, k) at k times; such as SciPy's OdeSolution.
+    pieces : tuple of OdeSolution
     steps : ndarray
         All times at which the integrator ended a step.
     """
 
     ends: np.ndarray
-    pieces: tuple[Callable[[Any], np.ndarray], ...]
+    pieces: tuple["OdeSolution", ...]
     steps: np.ndarray
 
     def __call__(self, time: np.ndarray | float) -> np.ndarray:
@@ -89,7 +88,7 @@ class Trajectory:
         if not ((time >= -room) & (time <= self.ends[-1] + room)).all():
             raise InputError("", field="time", value=time.tolist(), expected=f"0..{self.ends[-1]:g} s")
 
-    def _piece(self, time: float) -> Callable[[Any], np.ndarray]:
+    def _piece(self, time: float) -> "OdeSolution":
         index = int(np.clip(np.searchsorted(self.ends, time, side="right") - 1, 0, len(self.pieces) - 1))
         return self.pieces[index]
 
