@@ -54,6 +54,8 @@ def test_chosen_flights_are_where_all_flights_are():
         all_flights = segment(times)[np.arange(len(times)), chosen]
         np.testing.assert_allclose(segment.of(chosen, times), all_flights, atol=1e-15)
         assert segment.of(chosen[:0], times[:0]).shape == (0, 2)
+        assert segment(times[:0]).shape == (0, 3, 2)
+        np.testing.assert_array_equal(segment(times[::-1]), segment(times)[::-1])
 
 
 def test_peaks_and_crossings_lie_where_the_closed_form_has_them():

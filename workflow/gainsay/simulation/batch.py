@@ -60,11 +60,12 @@ class Segment:
     def __call__(self, times: np.ndarray) -> np.ndarray:
         """Return the states of all flights at some times, shape (len(times), m, n)."""
         step, weights = self._places(np.asarray(times, dtype=float))
-        states = self.starts[step]
-        for one in np.unique(step):
-            at = step == one
-            states[at] += np.tensordot(weights[at], self.slopes[one], 1)
-        return states.swapaxes(1, 2)
+        (k, s, n, m), order = self.slopes.shape, np.argsort(step, kind="stable")
+        states, slopes = self.starts[step].reshape(-1, n * m), self.slopes.reshape(k, s, n * m)
+        seen, first = np.unique(step[order], return_index=True)
+        for one, at in zip(seen, np.split(order, first[1:]), strict=False):  # of no times there is one empty part
+            states[at] += weights[at] @ slopes[one]
+        return states.reshape(-1, n, m).swapaxes(1, 2)
 
     def of(self, flights: np.ndarray, times: np.ndarray) -> np.ndarray:
         """Return the states of chosen flights, each at a time of its own, shape (len(flights), n)."""
