@@ -40,8 +40,8 @@ def falling(states: int, of_channel: Iterable[int]) -> Statement:
     )
 
 
-def least_torque(data: Mapping[str, np.ndarray], of_channel: Iterable[int]) -> Stated:
-    """Least bound on the square of the torque for a linear fractional form in doubles.
+def torque_within(data: Mapping[str, np.ndarray], of_channel: Iterable[int], square: str) -> Stated:
+    """A bound on the square of the torque, for a linear fractional form in doubles.
 
     Parameters
     ----------
@@ -49,10 +49,14 @@ def least_torque(data: Mapping[str, np.ndarray], of_channel: Iterable[int]) -> S
         `DATA`: A (n, n), H (n, q), Cz (q, n), Dw (q, q), k (m, n) and x0 (n, 1).
     of_channel : iterable of int, length q
         As for `falling`.
+    square : str
+        The bound, a formula of numbers.
     """
     texts = {name: [[repr(float(x)) for x in row] for row in data[name]] for name in DATA}
     falls = falling(len(data["A"]), of_channel)
-    held = [falls < 0, read_constraint("P > k.T @ k", "P > k'k")]
-    return Stated(
-        MappingTables(printed=texts), held, "x0.T @ P @ x0", falls.unknowns, falls.definitions(None), label="torque"
-    )
+    held = [
+        falls < 0,
+        read_constraint("P > k.T @ k", "P > k'k"),
+        read_constraint(f"x0.T @ P @ x0 < {square}", "start"),
+    ]
+    return Stated(MappingTables(printed=texts), held, None, falls.unknowns, falls.definitions(None), label="torque")

@@ -1,13 +1,13 @@
 """The condition that bounds the torque of li2021, against the forms that it is to stand for."""
 
 import numpy as np
-import pytest
 
 from gainsay.exact.matrix import Matrix
+from gainsay.lmi import Infeasible
 from gainsay.proof import MappingTables, formulas
 from gainsay.proof.scope import Reader
 from gainsay.statements.floats import nearest
-from papers.li2021.statements_torque import DATA, falling, least_torque
+from papers.li2021.statements_torque import DATA, falling, torque_within
 
 RNG = np.random.default_rng(7)
 OF_CHANNEL = (0, 1, 1, 2)
@@ -50,4 +50,6 @@ def test_the_least_bound_of_a_free_loop_is_its_largest_output():
         "k": np.array([[1.0]]),
         "x0": np.array([[2.0]]),
     }
-    assert least_torque(data, (0,)).solve().need("toy").objective == pytest.approx(4.0, rel=1e-3)
+    point = torque_within(data, (0,), "4.004").solve().need("toy")
+    assert 4 < 4 * point["P"].item() < 4.004
+    assert isinstance(torque_within(data, (0,), "4").solve(), Infeasible)

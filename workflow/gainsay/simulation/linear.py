@@ -67,12 +67,13 @@ class Response:
         self.states[0] = start
         # Doubling: rows filled so far times the exponential over their span give as many rows again.
         filled, span = 1, scipy.linalg.expm(self.A * self.step)
-        with np.errstate(over="ignore", invalid="ignore"):  # the last square is not used; the states are looked at
+        with np.errstate(over="ignore", invalid="ignore"):  # the states are looked at
             while filled <= steps:
                 more = min(filled, steps + 1 - filled)
                 self.states[filled : filled + more] = self.states[:more] @ span.T
                 filled += more
-                span = span @ span
+                if filled <= steps:
+                    span = span @ span
         if not np.isfinite(self.states).all():
             lost = float(self.time[~np.isfinite(self.states).all(axis=1)][0])
             raise ComputationError("response", f"the state leaves double precision before {lost:g} s")
