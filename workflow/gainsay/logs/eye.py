@@ -54,19 +54,10 @@ def eye_of(scene: Scene, shapes: Shapes) -> Eye:
 
 def _shifts(log: Log) -> dict[str, np.ndarray]:
     """Places (N, 3) of the origin of each frame in its parent at the corners of the box that it moves in, m."""
-    shifts: dict[str, np.ndarray] = {}
-    for topic in log.topics:
-        if log.kind(topic) == "transforms":
-            moved: dict[str, list[tuple[float, float, float]]] = {}
-            for _, message in log.messages(topic):
-                for turn in message.transforms:
-                    place = (turn.translation.x, turn.translation.y, turn.translation.z)
-                    moved.setdefault(turn.child_frame_id, []).append(place)
-            for frame, places in moved.items():
-                every = np.array(places)
-                rows = np.unique([*every.argmin(axis=0), *every.argmax(axis=0)])
-                shifts[frame] = every[rows]
-    return shifts
+    return {
+        frame: places[np.unique([*places.argmin(axis=0), *places.argmax(axis=0)])]
+        for frame, (_, places) in log.transforms.items()
+    }
 
 
 def _points(shape: Shape) -> Iterator[np.ndarray]:

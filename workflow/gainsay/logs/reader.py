@@ -271,15 +271,23 @@ class Log(Mapping[str, Signal]):
         return tuple(sorted(events, key=lambda event: event.time))
 
     @cached_property
+    def transforms(self) -> Mapping[str, tuple[str, np.ndarray]]:
+        """Parent of every frame that a transform relates, and the places (N, 3) of its origin there, m."""
+        parents: dict[str, str] = {}
+        places: dict[str, list[tuple[float, float, float]]] = {}
+        for topic in self._raw:
+            if self.kind(topic) == "transforms":
+                for _, message in self.messages(topic):
+                    for turn in message.transforms:
+                        child, place = turn.child_frame_id, turn.translation
+                        parents[child] = turn.parent_frame_id
+                        places.setdefault(child, []).append((place.x, place.y, place.z))
+        return {child: (parent, np.array(places[child])) for child, parent in parents.items()}
+
+    @property
     def frames(self) -> Mapping[str, str]:
         """Parent of every frame that a transform relates."""
-        return {
-            turn.child_frame_id: turn.parent_frame_id
-            for topic in self._raw
-            if self.kind(topic) == "transforms"
-            for _, message in self.messages(topic)
-            for turn in message.transforms
-        }
+        return {child: parent for child, (parent, _) in self.transforms.items()}
 
 
 def read_log(path: Path) -> Log:
