@@ -1,5 +1,6 @@
 """Measure everything and print a line each: `make bench`."""
 
+import argparse
 import resource
 import sys
 import time
@@ -38,6 +39,7 @@ def _ratios(root: Path, papers: list[str]) -> tuple[int, int]:
 
 def main() -> int:
     """Print the seconds of every task and their bare parts, then every ratio; misses change no exit code."""
+    argparse.ArgumentParser(prog="gainsay.bench", description=(__doc__ or "").splitlines()[0]).parse_args()
     begun, root = time.perf_counter(), find_root()
     papers = paper_names(root)
     with ThreadPoolExecutor(1) as pool:  # the tasks, in processes of their own, fill what one process leaves idle

@@ -11,6 +11,7 @@ minutes, each in a process and a copy of the project of its own. What is told ap
 - the rest: programs stated from their text, random numbers, rows and files.
 """
 
+import argparse
 import json
 import subprocess
 import sys
@@ -102,7 +103,7 @@ def measured(root: Path, paper: str, campaign: str) -> dict[str, float]:
         If it does not end well.
     """
     with project_copy(root) as copy:
-        command = [sys.executable, "-m", "gainsay.bench.campaigns", paper, campaign, str(copy)]
+        command = [sys.executable, "-m", "gainsay.bench.campaigns", paper, campaign, "--copy", str(copy)]
         done = subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError((done.stderr.strip().splitlines() or ["no message"])[-1])
@@ -111,23 +112,27 @@ def measured(root: Path, paper: str, campaign: str) -> dict[str, float]:
 
 def main() -> int:
     """Print the table, or as JSON the seconds of one chunk where its copy of the project is given."""
-    if len(sys.argv) == 4:
-        paper, campaign, copy = sys.argv[1:]
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("campaign", nargs="*", help="paper and name of one campaign; default: all of all papers")
+    parser.add_argument("--copy", type=Path, help=argparse.SUPPRESS)  # of the project, made by the process that asks
+    options = parser.parse_args()
+    if len(options.campaign) not in (0, 2):
+        parser.error("expected a paper and the name of one of its campaigns, or nothing")
+    if options.copy:
         try:
-            print(json.dumps(_of_chunk(Path(copy), paper, campaign)))
+            print(json.dumps(_of_chunk(options.copy, *options.campaign)))
         except GainsayError as error:
             print(error, file=sys.stderr)
             return 1
         return 0
     root = find_root()
-    chosen = [tuple(sys.argv[1:3])] if len(sys.argv) == 3 else None
-    names = chosen or [(paper, name) for paper in paper_names(root) for name in read_case(root, paper).campaigns]
+    names = [(paper, name) for paper in paper_names(root) for name in read_case(root, paper).campaigns]
     print(
         f"{'one chunk of':<32}{'CPU':>9}"
         + "".join(f"{name:>11}" for name in (*_COLUMNS, "starting", "rest"))
         + f"{'the first three, aim 90 %':>27}"
     )
-    for paper, campaign in names:
+    for paper, campaign in [tuple(options.campaign)] if options.campaign else names:
         try:
             print(told(paper, campaign, measured(root, paper, campaign)), flush=True)
         except RuntimeError as error:

@@ -4,6 +4,7 @@
 project.
 """
 
+import argparse
 import os
 import subprocess
 import sys
@@ -42,8 +43,11 @@ def measured(root: Path, paper: str, campaign: str, cores: int) -> tuple[float, 
 
 def main() -> int:
     """Print seconds on one core and on two, and their ratio."""
-    root = find_root()
-    paper, campaign = sys.argv[1:] or (PAPER, CAMPAIGN)
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("paper", nargs="?", default=PAPER)
+    parser.add_argument("campaign", nargs="?", default=CAMPAIGN)
+    options = parser.parse_args()
+    root, paper, campaign = find_root(), options.paper, options.campaign
     (one, table), (two, same) = (measured(root, paper, campaign, cores) for cores in (1, 2))
     told = "the same table" if same == table else "ANOTHER TABLE"
     print(
