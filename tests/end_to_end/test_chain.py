@@ -359,6 +359,23 @@ def test_snakemake_runs_the_small_paper_and_then_has_nothing_to_do(toy):
 
 
 @pytest.mark.slow
+def test_a_run_killed_behind_the_verdicts_leaves_no_page_with_an_older_figure(toy):
+    """The verdicts come out as before, so that nothing newer is seen by who goes by their list alone."""
+    for name in ("workflow", "profiles", "Snakefile"):
+        source = ROOT / name
+        (shutil.copytree if source.is_dir() else shutil.copy)(source, toy.root / name)
+    snakemake(toy.root)
+    page = toy.root / "results/toy/index.html"
+    before, verdicts = page.read_bytes(), (toy.root / "results/toy/parts/verdicts.files.csv").read_bytes()
+    toy.edit("figures.py", "Thrust [N]", "Force [N]")
+    snakemake(toy.root, "results/toy/parts/verdicts.files.csv")  # as far as a killed run would come
+    assert (toy.root / "results/toy/parts/verdicts.files.csv").read_bytes() == verdicts
+    assert page.read_bytes() == before
+    snakemake(toy.root)
+    assert page.read_bytes() != before
+
+
+@pytest.mark.slow
 def test_wan2014_twice_gives_the_same_bytes_and_a_verdict_on_every_claim(tmp_path):
     found = []
     for name in ("one", "two"):

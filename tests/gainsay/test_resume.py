@@ -87,6 +87,14 @@ def test_a_damaged_page_over_all_papers_is_made_again(done):
     assert standing(done) == WHOLE - {"report", "all"}
 
 
+def test_a_run_of_some_papers_leaves_what_belongs_to_all(done):
+    alter(done / "results" / "index.html")
+    alter(done / "results" / "toy" / "page.txt")
+    assert forget_damaged(done, ["toy"], whole=False) == ["toy: page runs again, page.txt altered"]
+    assert standing(done) == WHOLE - {"page", "toy"}
+    assert forget_damaged(done, [], whole=False) == []
+
+
 def test_a_step_with_failures_is_not_done(done):
     row = ("audit", "(1)", "length", "no memory")
     write_csv(done / "results/toy/parts/audit.failures.csv", FAILURE_COLUMNS, [row])

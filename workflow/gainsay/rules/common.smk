@@ -66,7 +66,7 @@ try:
     # For a plan as well (`snakemake -n`), which then says what a run would do.
     if workflow.is_main_process:
         hold_results(ROOT)
-        for line in forget_damaged(ROOT, ALL):
+        for line in forget_damaged(ROOT, PAPERS, whole=PAPERS == ALL):
             print(line, flush=True)
 except InputError as error:
     refuse(error)

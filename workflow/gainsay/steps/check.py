@@ -32,9 +32,16 @@ def altered(folder: Path, tables: Mapping[str, Table]) -> Iterator[str]:
 
 
 def _not_following(name: str, folder: Path, tables: Mapping[str, Table]) -> Iterator[Difference]:
-    """A table that was altered together with the list that names it."""
+    """A table that was altered together with the list that names it, or made by code of another day."""
     for file in altered(folder, tables):
-        yield name, "file", file, "what follows from the results", "does not follow", "its list was altered with it"
+        yield (
+            name,
+            "file",
+            file,
+            "what follows from the results",
+            "does not follow",
+            "altered together with its list, or made by other code",
+        )
 
 
 def derived_differences(case: Case, *, whole: bool) -> Iterator[Difference]:

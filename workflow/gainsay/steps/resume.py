@@ -42,10 +42,19 @@ def _undone(results: Path, step: str) -> str:
     return damaged[0] + (f" and {len(damaged) - 1} more" if len(damaged) > 1 else "")
 
 
-def forget_damaged(root: Path, papers: Iterable[str]) -> list[str]:
+def forget_damaged(root: Path, papers: Iterable[str], *, whole: bool = True) -> list[str]:
     """Take the lists of files away from steps that are not done whole and from all that follow, so that they run again.
 
     Snakemake makes a missing file only where something that is missing too, or older, needs it.
+
+    Parameters
+    ----------
+    root : Path
+        Project root.
+    papers : iterable of str
+        Those that the run works on.
+    whole : bool
+        Whether these are all; else what belongs to all papers is left as it is.
 
     Returns
     -------
@@ -55,6 +64,8 @@ def forget_damaged(root: Path, papers: Iterable[str]) -> list[str]:
     notices: list[str] = []
     shared = root / "results" / "report.files.csv"
     undone = [paper for paper in papers if _forget(root / "results" / paper, notices)]
+    if not whole:
+        return notices
     if shared.exists() and list(damage(shared, root / "results")):
         notices.append("report runs again, its files are not as it left them")
         undone.append("report")
