@@ -108,9 +108,9 @@ def over_boxes(inputs: tuple[str, ...], of: Callable[[Case], Property], deepest:
     Parameters
     ----------
     inputs : tuple of str
-        The first two are the sides of the figure.
+        The first two of the row are the sides of the figure.
     of : callable
-        ``case -> property``, over inputs in this order.
+        ``case -> property``, over inputs in the order given here.
     deepest : int
         How often a cell is halved at most.
     sentence : str
