@@ -117,7 +117,8 @@ class Flights:
         self._far, self._off = np.ones(self.count, dtype=bool), np.ones(self.count, dtype=bool)
 
     def _thrust_ratio(self, states: np.ndarray, times: np.ndarray) -> np.ndarray:
-        return np.max(np.abs(self.loop.thrust(states[..., ESTIMATE])) / self.loop.limits, axis=-1)
+        x, y, z = np.moveaxis(np.abs(self.loop.thrust(states[..., ESTIMATE])) / self.loop.limits, -1, 0)
+        return np.maximum(np.maximum(x, y), z)  # a reduction along an axis of three takes ten times as long
 
     def _beyond(self, states: np.ndarray, times: np.ndarray) -> np.ndarray:
         return np.linalg.norm(states[..., POSITION], axis=-1) - CAPTURE_RADIUS
