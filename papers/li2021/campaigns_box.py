@@ -4,6 +4,7 @@ Inputs are the delta_i of (6), of which J, D and G depend, and the variation of 
 entries of its matrix: 1 + delta times the gain. With the mass matrix in front of the rates, (10) is affine in them.
 """
 
+from gainsay.campaigns import once_a_case
 from gainsay.campaigns.pencil import PencilBox
 from gainsay.tables import Case
 from papers.li2021.proofs import PRINTED_LOOP
@@ -27,6 +28,7 @@ _PENCIL = (
 )
 
 
+@once_a_case
 def gain_box(case: Case) -> PencilBox:
     """Disk of the printed gains over inertia and gain variation."""
     return PencilBox(case, INPUTS, "N", "mass", "a", "b", (*PLANT, *_PRINTED, *_PENCIL), IN_THE_DISK)
