@@ -110,14 +110,16 @@ class Flights:
         self.count = len(shares)
         x0 = case.matrix("x0").ravel()
         self.starts = np.array([np.concatenate([x0, start(case, *pair)]) for pair in shares])
+        self._thrust_over_bounds = np.zeros((3, 12))
+        self._thrust_over_bounds[:, ESTIMATE] = -self.loop.K / self.loop.limits[:, None]
         self.speed = SETTLED * float(np.linalg.norm(x0[3:]))
         self.ratio, self.range_3000s = np.zeros(self.count), np.full(self.count, np.nan)
         self.fluctuations = np.full(self.count, np.nan)
         self.capture, self.settled = np.full(self.count, np.nan), np.zeros(self.count)
         self._far, self._off = np.ones(self.count, dtype=bool), np.ones(self.count, dtype=bool)
 
-    def _thrust_ratio(self, states: np.ndarray, times: np.ndarray) -> np.ndarray:
-        x, y, z = np.moveaxis(np.abs(self.loop.thrust(states[..., ESTIMATE])) / self.loop.limits, -1, 0)
+    def _largest_axis(self, thrust: np.ndarray, times: np.ndarray) -> np.ndarray:
+        x, y, z = np.moveaxis(np.abs(thrust), -1, 0)
         return np.maximum(np.maximum(x, y), z)  # a reduction along an axis of three takes ten times as long
 
     def _beyond(self, states: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -147,17 +149,23 @@ class Flights:
         times[fell] = grid[0]
         return positive[-1]
 
-    def _look_at_thrust(self, part: Segment, grid: np.ndarray, states: np.ndarray) -> None:
-        values = self._thrust_ratio(states, grid)
-        best = values.argmax(axis=0)
-        worth = np.flatnonzero(values.max(axis=0) > (1 - PEAK_WORTH) * self.ratio)
-        low, high = grid[np.maximum(best - 1, 0)][worth], grid[np.minimum(best + 1, len(grid) - 1)][worth]
-        self.ratio[worth] = np.maximum(self.ratio[worth], polished_peak(part, worth, low, high, self._thrust_ratio))
+    def _look_at_thrust(self, part: Segment) -> None:
+        thrust = part.outputs(self._thrust_over_bounds)
+        worth = np.flatnonzero(thrust.bounds().max(axis=1) > self.ratio)
+        if not len(worth):
+            return
+        grid, thrust = part.grid(REFINE), thrust.chosen(worth)
+        values = self._largest_axis(thrust(grid), grid)
+        peaked = np.flatnonzero(values.max(axis=0) > (1 - PEAK_WORTH) * self.ratio[worth])
+        best = values.argmax(axis=0)[peaked]
+        low, high = grid[np.maximum(best - 1, 0)], grid[np.minimum(best + 1, len(grid) - 1)]
+        peaks = polished_peak(thrust, peaked, low, high, self._largest_axis)
+        self.ratio[worth[peaked]] = np.maximum(self.ratio[worth[peaked]], peaks)
 
     def _look(self, part: Segment) -> None:
+        self._look_at_thrust(part)
         grid = part.grid(REFINE)
         states = part(grid)
-        self._look_at_thrust(part, grid, states)
         self._far = self._last_crossing(part, grid, self._beyond(states, grid), self._beyond, self._far, self.capture)
         self._off = self._last_crossing(part, grid, self._error(states, grid), self._error, self._off, self.settled)
         if grid[0] <= 3000.0 <= grid[-1]:
@@ -174,8 +182,7 @@ class Flights:
     def thrust_ratios(self) -> np.ndarray:
         """Integrate all flights and return the largest thrust over its bound of each, and nothing else of them."""
         for part in self._parts():
-            grid = part.grid(REFINE)
-            self._look_at_thrust(part, grid, part(grid))
+            self._look_at_thrust(part)
         return self.ratio
 
     def fly(self) -> list[Flight]:

@@ -58,6 +58,34 @@ def test_chosen_flights_are_where_all_flights_are():
         np.testing.assert_array_equal(segment(times[::-1]), segment(times)[::-1])
 
 
+def test_outputs_of_chosen_flights_are_those_of_their_states_and_stay_within_bounds():
+    C = np.array([[1.0, 0.0], [3.0, -2.0], [0.0, 0.5]])
+    for segment in flights():
+        times, chosen = segment.grid(9), np.array([2, 0])
+        outputs = segment.outputs(C).chosen(chosen)
+        np.testing.assert_allclose(outputs(times), segment(times)[:, chosen] @ C.T, atol=1e-14)
+        largest = np.abs(outputs(times)).max(axis=0)
+        assert (largest <= outputs.bounds()).all()
+        # no wider than the longest way that the slopes allow
+        way = np.diff(segment.steps)[:, None, None] * np.abs(outputs.slopes).max(axis=1)
+        assert (outputs.bounds() <= largest + 1.02 * way.max(axis=0).T).all()
+
+
+def test_the_bound_of_a_ramp_is_its_end():
+    given = {"rtol": 1e-6, "atol": np.ones(1), "length": 2.0}
+    (ramp,) = segments(np.zeros((1, 1)), np.eye(1), lambda t, x: np.ones_like(x), np.zeros((1, 1)), 2.0, **given)
+    assert len(ramp.steps) == 2 and 2.0 <= ramp.bounds() <= 2.03
+
+
+def test_a_slope_at_one_point_alone_bounds_the_state():
+    # slopes 1 at one point and -1 at all others: the polynomial turns as much as it can
+    for stages in (2, 3, 8):
+        rule = Radau(stages)
+        signs = 2 * np.eye(stages) - 1
+        reach = np.abs(rule.integrals(np.linspace(0, 1, 997)) @ signs).max()
+        assert 0.3 < reach <= rule.amplification
+
+
 def test_peaks_and_crossings_lie_where_the_closed_form_has_them():
     tolerances = {"rtol": 1e-12, "atol": np.full(2, 1e-13)}
     (segment,) = segments(LINEAR, ENTRY, stiffness, STARTS, 12.0, **tolerances, length=20.0)

@@ -53,7 +53,8 @@ def _counted(meter: Meter) -> Iterator[None]:
                 return
 
     plain = feasibility.candidates
-    reading = (batch.Segment, "__call__"), (batch, "polished_peak"), (batch, "polished_crossing")
+    of_segments = ((batch.Segment, name) for name in ("__call__", "of", "outputs", "bounds"))
+    reading = (*of_segments, (batch, "polished_peak"), (batch, "polished_crossing"))
     proving = (
         *((build, "feasible_point"), (build, "farkas")),
         *((box, "branch"), (box, "_proofs"), (enclosed_spectra, "resolved")),

@@ -85,7 +85,7 @@ class Meter:
             for kind, name in (
                 (periodic.PeriodicSolution, "__init__"),
                 (linear.Response, "__init__"),
-                (batch.Stepper, "tried"),
+                (batch.Stepper, "segment"),
                 (delay_steps.Steps, "of"),  # a bound method of the class: counted, it takes the same arguments
                 (delay_steps.Steps, "run"),
             )

@@ -96,7 +96,8 @@ class _Writer:
             self.waiting = [rows[whole:]]
 
     def _together(self) -> Any:
-        return self.arrow.concat_tables([self.schema.empty_table(), *self.waiting]).combine_chunks()
+        nothing = self.arrow.Table.from_batches([], schema=self.schema)  # an empty table of the schema's loads pandas
+        return self.arrow.concat_tables([nothing, *self.waiting]).combine_chunks()
 
     def note(self, content: Mapping[str, str]) -> None:
         self.file.add_key_value_metadata(dict(content))

@@ -67,6 +67,20 @@ class Segment:
             states[at] += weights[at] @ slopes[one]
         return states.reshape(-1, n, m).swapaxes(1, 2)
 
+    def outputs(self, C: np.ndarray) -> "Segment":
+        """Return the segment of the outputs C x of all flights, C of shape (p, n): p states in place of n."""
+        return Segment(self.steps, C @ self.starts, C @ self.slopes)
+
+    def chosen(self, flights: np.ndarray) -> "Segment":
+        """Return the segment of some of the flights."""
+        return Segment(self.steps, self.starts[..., flights], self.slopes[..., flights])
+
+    def bounds(self) -> np.ndarray:
+        """Return what no state of a flight exceeds in modulus over the segment, shape (m, n); cheap and wide."""
+        lengths = np.diff(self.steps)[:, None, None]
+        reach = np.abs(self.starts) + lengths * _RULE.amplification * np.abs(self.slopes).max(axis=1)
+        return reach.max(axis=0).T
+
     def of(self, flights: np.ndarray, times: np.ndarray) -> np.ndarray:
         """Return the states of chosen flights, each at a time of its own, shape (len(flights), n)."""
         step, weights = self._places(times)
@@ -131,27 +145,12 @@ def segments(
             raise InputError("flights", field=name, value=value, expected="above 0")
     if atol.shape != (n,) or not (atol >= 0).all():
         raise InputError("flights", field="atol", value=atol.tolist(), expected="one number a state, >= 0")
-    stepper = Stepper(linear, entry, rest, rtol, atol[:, None])
-    time, state, h = 0.0, starts.T, min(length, end)
+    stepper = Stepper(linear, entry, rest, rtol, atol[:, None], min(length, end), _SHORTEST * end)
+    time, state = 0.0, starts.T
     while time < end:
-        stop = min(time + length, end)
-        steps, before, slopes = [time], [], []
-        while time < stop:
-            taken = min(h, stop - time)
-            slope, following, size = stepper.tried(time, state, taken)
-            if not size <= 1:
-                h = taken / 2
-                if h < _SHORTEST * end:
-                    raise ComputationError("flights", f"the steps become too short at t = {time!r} s")
-                continue
-            # a step that ends a segment may be a short one: it says nothing against the length of the others
-            h = 2 * taken if size < _EASY and taken == h else h
-            time = stop if taken == stop - time else time + taken
-            steps.append(time)
-            before.append(state)
-            slopes.append(slope)
-            state = following
-        yield Segment(np.array(steps), np.array(before), np.array(slopes))
+        part, state = stepper.segment(time, state, min(time + length, end))
+        yield part
+        time = float(part.steps[-1])
 
 
 @dataclass
@@ -163,6 +162,8 @@ class Stepper:
     linear, entry, rest, rtol
         As in `segments`.
     atol : ndarray, shape (n, 1)
+    h, shortest : float
+        Length of the next step, and the shortest there may be, s.
     """
 
     linear: np.ndarray
@@ -170,10 +171,33 @@ class Stepper:
     rest: Rest
     rtol: float
     atol: np.ndarray
+    h: float
+    shortest: float
     latest: np.ndarray | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         self.maps = lru_cache(maxsize=64)(lambda h: Step.of(_RULE, h, self.linear, self.entry))
+
+    def segment(self, time: float, state: np.ndarray, stop: float) -> tuple[Segment, np.ndarray]:
+        """Steps from a state at one time to another, and the state there."""
+        steps, before, slopes = [time], [], []
+        while time < stop:
+            taken = min(self.h, stop - time)
+            slope, following, size = self.tried(time, state, taken)
+            if not size <= 1:
+                self.h = taken / 2
+                if self.h < self.shortest:
+                    raise ComputationError("flights", f"the steps become too short at t = {time!r} s")
+                continue
+            # a step that ends a segment may be a short one: it says nothing against the length of the others
+            if size < _EASY and taken == self.h:
+                self.h = 2 * taken
+            time = stop if taken == stop - time else time + taken
+            steps.append(time)
+            before.append(state)
+            slopes.append(slope)
+            state = following
+        return Segment(np.array(steps), np.array(before), np.array(slopes)), state
 
     def tried(self, time: float, state: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray, float]:
         """Slopes (s, n, m) and state at the end of a step, and the size of its highest terms in tolerances.

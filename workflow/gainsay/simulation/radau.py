@@ -45,6 +45,12 @@ class Radau:
         return parts @ (self._values * self._weights[:, None]).T
 
     @cached_property
+    def amplification(self) -> float:
+        """What slopes of modulus 1 at the points change the state by at most, anywhere in a step of length 1."""
+        fine = np.linspace(0.0, 1.0, 100 * self.stages)
+        return 1.01 * float(np.abs(self.integrals(fine)).sum(axis=1).max())  # between the fine points it grows little
+
+    @cached_property
     def _weights(self) -> np.ndarray:
         return np.linalg.solve(self._values.T, np.eye(self.stages)[0])  # the mean of P_k is zero but for P_0
 
