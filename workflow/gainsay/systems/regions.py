@@ -1,8 +1,8 @@
 """Regions of the complex plane for poles: disks and half planes."""
 
-from collections.abc import Callable
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from flint import fmpq_mat
@@ -23,8 +23,85 @@ _LOOKED_AT = 61
 _TINY = 1e-300
 
 
+class Region(ABC):
+    """A region of the plane: what is asked of one matrix, or of each of a stack."""
+
+    @property
+    @abstractmethod
+    def edge(self) -> float:
+        """What the reach of a matrix stays below if its eigenvalues lie in the region, 1/s."""
+
+    @abstractmethod
+    def with_edge(self, edge: float) -> Self:
+        """The region of the same kind and place with another edge."""
+
+    @abstractmethod
+    def reach(self, A: ArrayLike) -> Any:
+        """How far the eigenvalues of A reach, rounded; stacks of matrices give an array."""
+
+    def holds(self, A: ArrayLike) -> bool:
+        """Whether every eigenvalue of A, or of each matrix of a stack, lies there; the doubles are taken exactly."""
+        return all(self._holds(M) for M in _listed(A))
+
+    def each(self, A: ArrayLike) -> np.ndarray:
+        """Whether every eigenvalue of each matrix of a stack lies in the region, as far as rounding lets one see.
+
+        Parameters
+        ----------
+        A : array_like, shape (..., n, n)
+
+        Returns
+        -------
+        ndarray of bool, shape (...)
+
+        Notes
+        -----
+        By powers of a matrix C whose eigenvalues lie in the unit disk if those of A lie in the region, which cost a
+        tenth of eigenvalues: with rho the spectral radius of C, rho^N is at most the norm of C^N, and n rho^N at least
+        the modulus of its trace. The few matrices that neither decides are left to their eigenvalues.
+        """
+        A = _stack(A)
+        answers = [np.zeros(0, dtype=bool)]
+        for block in _blocks(A.reshape(-1, *A.shape[-2:])):
+            inside, unknown = self._by_powers(block)
+            inside[unknown] = self.reach(block[unknown]) < self.edge
+            answers.append(inside)
+        return np.concatenate(answers).reshape(A.shape[:-2])
+
+    def farthest(self, A: ArrayLike) -> tuple[float, int]:
+        """Largest reach over a stack of matrices, and the index of the one that has it.
+
+        Eigenvalues are taken of some, and then of those that powers do not show within what these reach; see `each`.
+
+        Parameters
+        ----------
+        A : array_like, shape (k, n, n), k >= 1
+
+        Returns
+        -------
+        (reach, index) : tuple of float and int
+        """
+        A = _stack(A)
+        some = np.arange(0, len(A), _LOOKED_AT)
+        reaches = self.reach(A[some])
+        within = self.with_edge(float(reaches.max()))
+        outside = np.concatenate([~within._by_powers(block)[0] for block in _blocks(A)])
+        looked_at = np.union1d(some[reaches.argmax()], np.flatnonzero(outside))
+        reaches = self.reach(A[looked_at])
+        best = int(reaches.argmax())
+        return float(reaches[best]), int(looked_at[best])
+
+    @abstractmethod
+    def _by_powers(self, A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Whether the eigenvalues of each of k matrices lie in the region, and whether powers leave that open."""
+
+    @abstractmethod
+    def _holds(self, A: np.ndarray) -> bool:
+        """Whether every eigenvalue of A lies in the region."""
+
+
 @dataclass(frozen=True)
-class Disk:
+class Disk(Region):
     """Disk |s + centre| < radius, D(a, b) of the literature on pole placement.
 
     Parameters
@@ -48,6 +125,15 @@ class Disk:
         if not real_number(self.radius, "radius") > 0:
             raise InputError("disk", field="radius", value=self.radius, expected="above 0")
 
+    @property
+    def edge(self) -> float:
+        """The radius, 1/s."""
+        return self.radius
+
+    def with_edge(self, edge: float) -> "Disk":
+        """The disk of the same centre with another radius, a tiny one in place of none."""
+        return Disk(self.centre, max(edge, _TINY))
+
     def reach(self, A: ArrayLike) -> Any:
         """Largest modulus of s + centre over the eigenvalues s of A, 1/s, rounded; stacks of matrices give an array.
 
@@ -57,45 +143,8 @@ class Disk:
         """
         return _largest(np.abs(np.linalg.eigvals(_stack(A)) + self.centre))
 
-    def farthest(self, A: ArrayLike) -> tuple[float, int]:
-        """Largest reach over a stack of matrices, and the index of the one that has it; see `each` for how it is found.
-
-        Parameters
-        ----------
-        A : array_like, shape (k, n, n), k >= 1
-
-        Returns
-        -------
-        (reach, index) : tuple of float and int
-        """
-        return _farthest(_stack(A), lambda reach: Disk(self.centre, max(reach, _TINY)))
-
-    def each(self, A: ArrayLike) -> np.ndarray:
-        """Whether every eigenvalue of each matrix of a stack lies in the disk, as far as rounding lets one see.
-
-        Parameters
-        ----------
-        A : array_like, shape (..., n, n)
-
-        Returns
-        -------
-        ndarray of bool, shape (...)
-
-        Notes
-        -----
-        By powers of C = (A + aI) / b, which cost a tenth of eigenvalues: with rho the spectral radius of C, rho^N is at
-        most the norm of C^N, and n rho^N at least the modulus of its trace. The few matrices that neither decides are
-        left to their eigenvalues.
-        """
-        return _each(self, _stack(A), self.radius)
-
     def _by_powers(self, A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Whether the eigenvalues of each of k matrices lie in the disk, and whether powers leave that open."""
         return _in_unit_disk((A + self.centre * np.eye(A.shape[-1])) / self.radius)
-
-    def holds(self, A: ArrayLike) -> bool:
-        """Whether every eigenvalue of A, or of each matrix of a stack, lies in the disk; doubles are taken exactly."""
-        return all(self._holds(M) for M in _listed(A))
 
     def _holds(self, A: np.ndarray) -> bool:
         poles, off = rounded_eigenvalues(A)
@@ -124,7 +173,7 @@ class Disk:
 
 
 @dataclass(frozen=True)
-class HalfPlane:
+class HalfPlane(Region):
     """Half plane Re s < abscissa, 1/s; raises InputError unless that is a finite number."""
 
     abscissa: float = 0.0
@@ -132,38 +181,22 @@ class HalfPlane:
     def __post_init__(self) -> None:
         real_number(self.abscissa, "abscissa")
 
+    @property
+    def edge(self) -> float:
+        """The abscissa, 1/s."""
+        return self.abscissa
+
+    def with_edge(self, edge: float) -> "HalfPlane":
+        """The half plane to the left of another abscissa."""
+        return HalfPlane(edge)
+
     def reach(self, A: ArrayLike) -> Any:
         """Largest real part over the eigenvalues of A, 1/s, rounded; stacks of matrices give an array."""
         return _largest(np.linalg.eigvals(_stack(A)).real)
 
-    def holds(self, A: ArrayLike) -> bool:
-        """Whether every eigenvalue of A, or of each matrix of a stack, lies there; the doubles are taken exactly."""
-        return all(self._holds(M) for M in _listed(A))
-
-    def farthest(self, A: ArrayLike) -> tuple[float, int]:
-        """Largest abscissa over a stack of matrices, and the index of the one that has it, as `Disk.farthest`."""
-        return _farthest(_stack(A), HalfPlane)
-
-    def each(self, A: ArrayLike) -> np.ndarray:
-        """Whether every eigenvalue of each matrix of a stack lies there, as far as rounding lets one see.
-
-        Parameters
-        ----------
-        A : array_like, shape (..., n, n)
-
-        Returns
-        -------
-        ndarray of bool, shape (...)
-
-        Notes
-        -----
-        As `Disk.each`: first in a disk that touches the edge of the half plane from inside, since that takes no
-        inverse, and where this does not tell by the Cayley transform, which maps the half plane onto the unit disk.
-        """
-        return _each(self, _stack(A), self.abscissa)
-
     def _by_powers(self, A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Whether the eigenvalues of each of k matrices lie there, and whether powers leave that open."""
+        # First in a disk that touches the edge of the half plane from inside, since that takes no inverse; where this
+        # does not tell, by the Cayley transform, which maps the half plane onto the unit disk.
         moved = A - self.abscissa * np.eye(A.shape[-1])
         sizes = _sizes(moved)
         inside, unknown = _in_unit_disk(moved / sizes + np.eye(A.shape[-1]), _FIRST_SQUARINGS)
@@ -213,30 +246,8 @@ def _blocks(A: np.ndarray) -> list[np.ndarray]:
     return [A[k : k + _BLOCK] for k in range(0, len(A), _BLOCK)]
 
 
-def _each(region: "Disk | HalfPlane", A: np.ndarray, edge: float) -> np.ndarray:
-    """Whether each matrix of a stack has a reach below the edge of the region: by powers, and else by eigenvalues."""
-    answers = [np.zeros(0, dtype=bool)]
-    for block in _blocks(A.reshape(-1, *A.shape[-2:])):
-        inside, unknown = region._by_powers(block)
-        inside[unknown] = region.reach(block[unknown]) < edge
-        answers.append(inside)
-    return np.concatenate(answers).reshape(A.shape[:-2])
-
-
-def _farthest(A: np.ndarray, region: Callable[[float], "Disk | HalfPlane"]) -> tuple[float, int]:
-    """Largest reach of a stack and its index: eigenvalues of some, then of those not seen within what these reach."""
-    some = np.arange(0, len(A), _LOOKED_AT)
-    reaches = region(1.0).reach(A[some])
-    within = region(float(reaches.max()))
-    outside = np.concatenate([~within._by_powers(block)[0] for block in _blocks(A)])
-    looked_at = np.union1d(some[reaches.argmax()], np.flatnonzero(outside))
-    reaches = within.reach(A[looked_at])
-    best = int(reaches.argmax())
-    return float(reaches[best]), int(looked_at[best])
-
-
 def _in_unit_disk(powers: np.ndarray, squarings: int = _SQUARINGS) -> tuple[np.ndarray, np.ndarray]:
-    """Whether the eigenvalues of each of k matrices have moduli below one, and whether that stays open; `Disk.each`."""
+    """Whether the eigenvalues of each of k matrices have moduli below one, and whether that stays open."""
     n = powers.shape[-1]
     inside, unknown, left = np.zeros(len(powers), dtype=bool), np.zeros(len(powers), dtype=bool), np.arange(len(powers))
     for _ in range(squarings):
