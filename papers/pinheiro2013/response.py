@@ -125,10 +125,7 @@ class Transient:
 
     def last_above(self, output: np.ndarray, level: float) -> float:
         """Time after which |c x| stays below a level, s."""
-        for begin, response in reversed(self.whole.pieces):
-            if np.any(np.abs(response.states @ output) >= level):
-                return begin + response.last_above(output, level)
-        return 0.0
+        return self.whole.last_above(output, level)
 
 
 class Disturbed:

@@ -132,3 +132,7 @@ def test_a_level_that_is_passed_between_samples_alone_is_seen(steps):
     assert response.first_crossing(late, 2.999) == pytest.approx(1 - near, abs=1e-7)
     assert response.first_crossing(late, 1.001) == pytest.approx(1 + np.pi - near, abs=1e-7)
     assert response.last_above(late, 3.001) == 0.0 and response.first_crossing(late, 3.001) == 15.0
+    first = Response(A, np.concatenate([[0.0], start]), 7.5, steps)
+    both = Consecutive([(0.0, first), (7.5, Response(A, first.states[-1], 7.5, steps))])
+    assert both.last_above(late, 2.999) == pytest.approx(1 + 4 * np.pi + near, abs=1e-7)
+    assert both.last_above(late, 3.001) == 0.0

@@ -17,6 +17,7 @@ import numpy as np
 from gainsay.errors import ComputationError, InputError
 from gainsay.exact.floats import real_array, real_number
 from gainsay.simulation.delay_steps import Collocation, Reading, Steps
+from gainsay.simulation.summits import resolution
 
 # intervals prepared at once; the first ones, between close breakpoints, see many rows
 _FIRST, _CHUNK = 64, 1024
@@ -122,7 +123,7 @@ class DelayLaw:
                     low = middle
                 else:
                     high = middle
-            if high - before <= _TOGETHER * min(1.0, self.high):
+            if high - before <= resolution(_TOGETHER, self.high):
                 break
             points.append(high)
             before = high
@@ -247,7 +248,7 @@ def delay_mesh(
     if not all(start <= t <= end for t in origins):
         raise InputError("", field="jumps", value=origins[1:], expected=f"times within {start:g}..{end:g} s")
     points = [start, *(t for t in law.breakpoints(start, 2 * stages + 1) if t < end), end]
-    apart = _TOGETHER * min(1.0, end - start)
+    apart = resolution(_TOGETHER, end - start)
     for jump in origins[1:]:
         carried = [t for t in law.breakpoints(jump, 2 * stages + 1) if all(abs(t - p) >= apart for p in points)]
         points = sorted({*points, jump, *(t for t in carried if t < end)})

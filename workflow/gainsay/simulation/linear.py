@@ -14,6 +14,7 @@ import scipy  # its packages are loaded when they are used
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.exact.floats import real_array, real_number
+from gainsay.simulation.summits import resolution
 
 #: most evaluations at a turn; part of a step within which Newton's next one squares to rounding
 _ITERATIONS, _CLOSE = 60, 1e-7
@@ -93,7 +94,7 @@ class Response:
     @property
     def _located(self) -> float:
         """Distance to which crossings are located, s."""
-        return _LOCATED * min(1.0, self.end)
+        return resolution(_LOCATED, self.end)
 
     def _row(self, output: np.ndarray) -> np.ndarray:
         output = real_array(output, "output")
@@ -219,6 +220,13 @@ class Consecutive:
     def largest(self, output: np.ndarray) -> Peak:
         """Locate the largest value of a linear output c x over continuous time, as `Response.largest`."""
         return self._farthest(output, np.positive)
+
+    def last_above(self, output: np.ndarray, level: float) -> float:
+        """Time after which |c x| stays below a level up to the end, as `Response.last_above`."""
+        for begin, response in reversed(self.pieces):
+            if last := response.last_above(output, level):
+                return begin + last
+        return 0.0
 
     def _farthest(self, output: np.ndarray, size: Callable[[Any], Any]) -> Peak:
         """Locate where the size of an output, its modulus or itself, is largest."""

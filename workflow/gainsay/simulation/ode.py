@@ -7,7 +7,7 @@ References
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Real
@@ -18,6 +18,7 @@ import scipy  # its packages are loaded when they are used
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.exact.floats import real_array, real_number, real_row
+from gainsay.simulation.summits import may_pass, polished, resolution, summits
 
 if TYPE_CHECKING:
     from scipy.integrate import OdeSolution
@@ -167,7 +168,7 @@ def integrate(
         time, state = float(times[-1]), reached
         if leg.status == 1:
             # One tiny explicit step leaves the kink's zero behind; its error, about 1e-18 f', is below rounding.
-            nudge = max(_part(_NUDGE, end), 8 * float(np.spacing(time)))
+            nudge = max(resolution(_NUDGE, end), 8 * float(np.spacing(time)))
             state = state + nudge * guarded(time, state)
             time += nudge
         ends.append(min(time, end))
@@ -176,11 +177,6 @@ def integrate(
         if len(pieces) > _MAX_KINKS:
             raise ComputationError("integration", f"more than {_MAX_KINKS} kinks before t = {time!r} s")
     return Trajectory(np.array(ends), tuple(pieces), np.concatenate(steps))
-
-
-def _part(length: float, end: float) -> float:
-    """A time, s, or as small a part of an integration that is shorter than a second."""
-    return length * min(1.0, end)
 
 
 def _up_to_kink(
@@ -306,29 +302,16 @@ def largest(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarray], n
         return time, value
 
     # A lower sample can lie beside a higher peak: every local maximum that comes close to the best is polished.
-    for peak, height in _summits(output, trajectory, grid, values, values >= value - _CLOSE * np.ptp(values)):
+    for sample in summits(values, values >= value - _CLOSE * np.ptp(values)):
+        peak, height = polished(_at(output, trajectory), grid, sample, resolution(_PEAK, float(grid[-1])))
         if height > value:
             time, value = peak, height
     return time, value
 
 
-def _summits(
-    output: Callable, trajectory: Trajectory, grid: np.ndarray, values: np.ndarray, near: np.ndarray
-) -> Iterator[tuple[float, float]]:
-    """Yield time and value of every local maximum whose sample is near enough to matter, polished."""
-
-    def negative(t: float) -> float:
-        return -float(output(np.array([t]), trajectory(np.array([t])))[0])
-
-    padded = np.concatenate([[-np.inf], values, [-np.inf]])
-    before, after = padded[:-2], padded[2:]
-    summits = (values >= before) & (values >= after) & ((values > before) | (values > after))  # no plateau
-    for index in map(int, np.flatnonzero(summits & near)):
-        low, high = float(grid[max(index - 1, 0)]), float(grid[min(index + 1, len(grid) - 1)])
-        polished = scipy.optimize.minimize_scalar(
-            negative, bounds=(low, high), method="bounded", options={"xatol": _part(_PEAK, float(grid[-1]))}
-        )
-        yield float(polished.x), -float(polished.fun)
+def _at(output: Callable, trajectory: Trajectory) -> Callable[[float], float]:
+    """An output at one time."""
+    return lambda t: float(output(np.array([t]), trajectory(np.array([t])))[0])
 
 
 def _outputs(output: Callable, trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:
@@ -362,17 +345,11 @@ def last_crossing(trajectory: Trajectory, output: Callable[[np.ndarray, np.ndarr
         raise ComputationError("crossing", "the output does not pass from positive to lastingly negative")
     last = int(positive[-1])
     low, high = float(grid[last]), float(grid[last + 1])
-    # A later peak may pass zero between two samples alone; it rises above its sample by less than this falls beside it.
-    drops = np.abs(np.diff(values[last:]))
-    near = values[last:] + np.maximum(np.append(0.0, drops), np.append(drops, 0.0)) >= 0
-    for peak, height in _summits(output, trajectory, grid[last:], values[last:], near):
+    # A later peak may pass zero between two samples alone.
+    value_at, end = _at(output, trajectory), float(grid[-1])
+    for sample in reversed(summits(values[last:], may_pass(values[last:], 0.0))):
+        peak, height = polished(value_at, grid[last:], sample, resolution(_PEAK, end))
         if height > 0 and peak > low:
             low, high = peak, float(grid[np.searchsorted(grid, peak, side="right")])
-    return float(
-        scipy.optimize.brentq(
-            lambda t: float(output(np.array([t]), trajectory(np.array([t])))[0]),
-            low,
-            high,
-            xtol=_part(_CROSSING, float(grid[-1])),
-        )
-    )
+            break
+    return float(scipy.optimize.brentq(value_at, low, high, xtol=resolution(_CROSSING, end)))

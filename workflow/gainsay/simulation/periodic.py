@@ -5,7 +5,7 @@ product, the monodromy matrix, give the state at every node of every period by m
 disturbances are states of their own (`with_oscillators`), so that no input is ever interpolated.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ import scipy  # its packages are loaded when they are used
 
 from gainsay.errors import ComputationError, InputError
 from gainsay.exact.floats import real_array, real_number, real_row
+from gainsay.simulation.summits import may_pass, polished, resolution, summits
 
 _GAUSS = np.sqrt(3) / 6
 #: s, to which peaks are located, and the part of a solution that is shorter than a second
@@ -190,26 +191,16 @@ class PeriodicSolution:
         best = int(np.argmax(values))
         top = Extreme(float(t[best]), float(values[best]), self.states[keep][best])
         floor = values[best] - _CLOSE * max(abs(values[best]), np.ptp(values))
-        for time, value in self._summits(function, t, values, values >= floor):
+        for sample in reversed(summits(values, values >= floor)):
+            time, value = self._polished(function, t, sample)
             if value > top.value:
                 top = Extreme(time, value, self.state(time))
         return top
 
-    def _summits(
-        self, function: Callable, times: np.ndarray, values: np.ndarray, near: np.ndarray
-    ) -> Iterator[tuple[float, float]]:
-        """Yield time and value of every local maximum whose node is near enough to matter, the last one first."""
-        padded = np.concatenate([[-np.inf], values, [-np.inf]])
-        before, behind = padded[:-2], padded[2:]
-        summits = (values >= before) & (values >= behind) & ((values > before) | (values > behind))  # no plateau
-        for i in map(int, np.flatnonzero(summits & near)[::-1]):
-            maximum = scipy.optimize.minimize_scalar(
-                lambda s: -float(function(s, self.state(s))),
-                bounds=(times[max(i - 1, 0)], times[min(i + 1, len(times) - 1)]),
-                method="bounded",
-                options={"xatol": _LOCATED * min(1.0, self.times[-1])},
-            )
-            yield float(maximum.x), float(-maximum.fun)
+    def _polished(self, function: Callable, times: np.ndarray, sample: int) -> tuple[float, float]:
+        """Time and value of the maximum beside a node."""
+        within = resolution(_LOCATED, float(self.times[-1]))
+        return polished(lambda s: float(function(s, self.state(s))), times, sample, within)
 
     def _values(self, function: Callable, keep: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Values of a function at the nodes."""
@@ -233,9 +224,8 @@ class PeriodicSolution:
             return float(self.times[-1])
         ends = (self.times[last], self.times[last + 1]) if len(above) else None
         first = max(last, 0)
-        drops = np.abs(np.diff(values[first:]))
-        near = values[first:] + np.maximum(np.append(0.0, drops), np.append(drops, 0.0)) >= level
-        for time, value in self._summits(function, self.times[first:], values[first:], near):
+        for sample in reversed(summits(values[first:], may_pass(values[first:], level))):
+            time, value = self._polished(function, self.times[first:], sample)
             if value > level:
                 ends = time, self.times[np.searchsorted(self.times, time, side="right")]
                 break
